@@ -1,42 +1,42 @@
-# `make demo` and `make test` only need a Rust toolchain. They install missing Debian packages, and npm packages for the tests in
-# real engines.
+# `make demo` and `make test` only need a Rust toolchain. They install missing Debian packages, and `make test` also
+# installs npm and PyPI packages.
 
 CARGO ?= cargo
-# apt-get runs through sudo, except as root.
+# Run apt-get through sudo, except as root.
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
-# The linker for crates, programs that the demo and the tests call, and a Vulkan driver that needs no GPU.
+# A linker, programs that the demo and the tests call, and a Vulkan driver that needs no GPU.
 PACKAGES := gcc libc6-dev make curl jq ca-certificates mesa-vulkan-drivers
-# A proxy in front of the service, checkers of translated shaders, CMake for docs/ci.md, and strace to record the writes of a
-# service.
+# A proxy in front of the service, validators for translated shaders, CMake for docs/ci.md, and strace to record writes
+# of the service.
 TEST_PACKAGES := nginx-light spirv-tools glslang-tools cmake strace
-# The database of a cluster, a pooler of connections, a network link that loses packets, and a wrong clock.
+# For clusters: a database, a connection pooler, and tools that drop packets and set a wrong clock.
 CLUSTER_PACKAGES := postgresql pgbouncer util-linux iproute2 nftables faketime
-# Debian packages the modules for virtual environments separately from Python.
+# In Debian, the modules for virtual environments are not in the Python package.
 PYTHON_PACKAGES = $(shell python3 -c 'import ensurepip, venv' 2>/dev/null || echo python3-venv)
-# The browser for engines and the page, with WebGL by Mesa, and Node.js if it is missing.
+# A browser for the tests of engines and of the page, Mesa for WebGL, and Node.js if it is missing.
 BROWSER_PACKAGES = chromium-headless-shell libegl1 libgl1-mesa-dri \
 	$(shell command -v node >/dev/null || echo nodejs) $(shell command -v npm >/dev/null || echo npm)
-# A layer of Mesa looks for a display to select a device, and prints warnings if there is no display.
+# Turns off a Mesa layer that prints warnings if there is no display.
 export NODEVICE_SELECT := 1
-# Mesa prints warnings without this variable, although it opens no window.
+# Mesa prints warnings if this variable is not set, although it opens no window.
 export XDG_RUNTIME_DIR ?= /tmp
 NATIVE_TARGET := $(or $(CARGO_TARGET_DIR),target)/native
 
 .PHONY: help demo release load lighthouse figures soak schemathesis test test-all test-units test-suites test-native lint lint-core lint-deny lint-deploy lint-manifests lint-alerts lint-dashboard lines fmt bench packages browser cluster clean
 
 help:
-	@echo 'make demo    build, serve, fit a table over HTTP, download it by its hash'
+	@echo 'make demo    build, serve, fit a table over HTTP, download it by its digest'
 	@echo 'make release build, and write a list of the crates (CycloneDX)'
-	@echo 'make load    measure downloads against nginx, requests during fits, and 2,000 jobs, with their limits'
-	@echo 'make lighthouse  rate the page by Lighthouse'
+	@echo 'make load    measure downloads against nginx, requests during fits, and 2,000 jobs; fails beyond the limits'
+	@echo 'make lighthouse  rate the page with Lighthouse'
 	@echo 'make figures draw the figures of studies/figures.md again'
 	@echo 'make test    run the tests that every change must pass'
-	@echo 'make test-all also run slow tests: engines, pages, schemathesis, pgbouncer, studies, files of deploy/'
-	@echo 'make soak    test kills, power cuts, histories of the queue and mutated inputs for up to an hour'
+	@echo 'make test-all also run slow tests: engines, pages, schemathesis, pgbouncer, studies, files in deploy/'
+	@echo 'make soak    test random kills, power cuts, queue histories and mutated inputs for up to an hour'
 	@echo 'make lint    run rustfmt, clippy and rustdoc, with warnings as errors'
 	@echo 'make bench   measure a fit, its speed-up over the published algorithm, a picture, a plan, and the overhead of the service'
 
-# Only installs missing packages, so that a machine with all packages needs no network and no root.
+# Installs only missing packages. A machine with all packages needs neither network nor root.
 packages:
 	@missing=; for p in $(PACKAGES) $(EXTRA_PACKAGES); do dpkg -s $$p >/dev/null 2>&1 || missing="$$missing $$p"; done; \
 	if [ -n "$$missing" ]; then \
@@ -48,7 +48,7 @@ demo: packages
 	$(CARGO) build --release --locked -p ltcforge
 	@LTCFORGE="$(or $(CARGO_TARGET_DIR),target)/release/ltcforge" ./demo.sh
 
-# A file server to compare with, and clients that send requests as fast as possible or at a constant rate.
+# nginx for comparison, and clients that send requests as fast as possible or at a constant rate.
 LOAD_PACKAGES := nginx-light wrk apache2-utils hey
 load: packages
 	@$(MAKE) --no-print-directory packages PACKAGES= EXTRA_PACKAGES='$(LOAD_PACKAGES)' \
@@ -63,20 +63,20 @@ lighthouse: packages browser
 	@cd tests/page && npm install --no-save --ignore-scripts --no-audit --no-fund lighthouse@13.5.0 && \
 		node lighthouse.js --chromium "$$(command -v chromium-headless-shell)" --ltcforge "$(abspath $(or $(CARGO_TARGET_DIR),target))/release/ltcforge"
 
-# The program and a CycloneDX list of its crates. cargo-cyclonedx writes a list into the folder of each crate. Only the list of the
-# program is kept.
+# Builds the program and a CycloneDX list of its crates. cargo-cyclonedx writes a list into the folder of each crate.
+# Only the list of the program is kept.
 release: packages
 	$(CARGO) build --release --locked
 	@if $(CARGO) cyclonedx --version >/dev/null 2>&1; then \
 		$(CARGO) cyclonedx --format json --target "$$(rustc -vV | sed -n 's/^host: //p')" --override-filename ltcforge.cdx && \
 		mv ltcforge.cdx.json $(or $(CARGO_TARGET_DIR),target)/release/ && git ls-files '*Cargo.toml' | sed 's/Cargo.toml$$/ltcforge.cdx.json/' | xargs rm -f; \
-	else echo '*** SKIPPED: no cargo-cyclonedx: ltcforge.cdx.json was not written' >&2; fi
+	else echo '*** SKIPPED: cargo-cyclonedx is not installed: ltcforge.cdx.json was not written' >&2; fi
 
 figures: packages
 	$(CARGO) run --release --locked -p ltcforge-studies -- figures -o studies/figures
 
-# Some systems lack these packages, and some machines cannot reach the npm registry. Tests that need them report that they are
-# skipped.
+# Some systems lack these packages, and some machines cannot reach the npm registry. The tests that need them are then
+# skipped and print the reason.
 browser:
 	@$(MAKE) --no-print-directory packages PACKAGES= EXTRA_PACKAGES='$(BROWSER_PACKAGES)' \
 		|| echo '*** no browser: the tests in real engines will be skipped' >&2
@@ -87,8 +87,8 @@ browser:
 		|| npm ci --ignore-scripts --no-audit --no-fund --fetch-retries=1; } \
 		|| echo '*** npm ci failed in tests/page: the tests of the page will be skipped' >&2
 
-# The PostgreSQL and the S3 server of the tests. Some systems lack these packages, and some machines cannot reach PyPI. Tests that
-# need them report that they are skipped.
+# The PostgreSQL and S3 servers for the tests. Some systems lack these packages, and some machines cannot reach PyPI.
+# The tests that need them are then skipped and print the reason.
 PYTHON_TARGET := $(or $(CARGO_TARGET_DIR),target)
 cluster:
 	@$(MAKE) --no-print-directory packages PACKAGES= EXTRA_PACKAGES='$(CLUSTER_PACKAGES)' \
@@ -96,17 +96,17 @@ cluster:
 	@python3 -c 'import moto.server, moto.s3' 2>/dev/null || [ -x $(PYTHON_TARGET)/s3/bin/moto_server ] \
 		|| { $(MAKE) --no-print-directory packages PACKAGES= EXTRA_PACKAGES='$(PYTHON_PACKAGES)' \
 			&& python3 -m venv $(PYTHON_TARGET)/s3 && $(PYTHON_TARGET)/s3/bin/pip install -q --retries 1 'moto[server]==5.2.1'; } \
-		|| echo '*** no moto[server] of PyPI: the tests on an S3 server will be skipped' >&2
+		|| echo '*** could not install moto[server] from PyPI: the tests on an S3 server will be skipped' >&2
 
-# schemathesis checks the service against openapi.yaml. It has its own folder.
+# schemathesis compares the service with openapi.yaml. It has its own virtual environment.
 schemathesis:
 	@[ -x $(PYTHON_TARGET)/schemathesis/bin/schemathesis ] \
 		|| { $(MAKE) --no-print-directory packages PACKAGES= EXTRA_PACKAGES='$(PYTHON_PACKAGES)' \
 			&& python3 -m venv $(PYTHON_TARGET)/schemathesis \
 			&& $(PYTHON_TARGET)/schemathesis/bin/pip install -q --retries 1 schemathesis==4.32.5; } \
-		|| echo '*** no schemathesis of PyPI: the test of openapi.yaml by it will be skipped' >&2
+		|| echo '*** could not install schemathesis from PyPI: its test of openapi.yaml will be skipped' >&2
 
-# The long forms of the harnesses: see CONTRIBUTING.md.
+# Long runs of the random tests: see CONTRIBUTING.md.
 soak: EXTRA_PACKAGES := strace
 soak: packages cluster schemathesis
 	LTCFORGE_TEST_HISTORIES=10000 $(CARGO) test --locked -p ltcforge-server --features cluster --lib -- every_history
@@ -114,7 +114,7 @@ soak: packages cluster schemathesis
 		$(CARGO) test --locked --test product -- --include-ignored kills power_cut memory:: schemathesis
 	LTCFORGE_TEST_FUZZ_SECONDS=600 $(CARGO) test --locked --test core -- --test-threads 32 fuzz
 
-# Checkers of deploy/, each in its own folder, because an installed Prometheus would start.
+# Checks deploy/. Prometheus is only unpacked into a folder, because Debian starts it when it is installed.
 lint-deploy: lint-manifests lint-alerts lint-dashboard
 
 lint-manifests:
@@ -126,9 +126,9 @@ lint-manifests:
 	@if [ -x $(PYTHON_TARGET)/schemas/bin/check-jsonschema ]; then \
 		$(PYTHON_TARGET)/schemas/bin/kubernetes-validate --strict --quiet deploy/kubernetes/*.yaml && \
 		$(PYTHON_TARGET)/schemas/bin/check-jsonschema -q --builtin-schema vendor.compose-spec deploy/compose.yaml; \
-	else echo '*** SKIPPED: no kubernetes-validate and check-jsonschema of PyPI: deploy/ was not checked' >&2; fi
+	else echo '*** SKIPPED: could not install kubernetes-validate and check-jsonschema from PyPI: deploy/ was not checked' >&2; fi
 
-# The alerts with their tests, and the queries of the dashboard.
+# Checks the alerts, runs their tests, and checks the queries of the dashboard.
 PROMETHEUS = $(PYTHON_TARGET)/prometheus
 PROMTOOL = $(or $(shell command -v promtool),$(PROMETHEUS)/usr/bin/promtool)
 lint-alerts:
@@ -139,9 +139,9 @@ lint-alerts:
 		jq -f deploy/grafana/queries.jq deploy/grafana/ltcforge.json >$(PROMETHEUS)/queries.json && \
 		$(PROMTOOL) check rules deploy/prometheus/ltcforge.rules.yaml $(PROMETHEUS)/queries.json && \
 		$(PROMTOOL) test rules deploy/prometheus/ltcforge.test.yaml; \
-	else echo "*** SKIPPED: no promtool, of Debian's prometheus: alerts and queries were not checked" >&2; fi
+	else echo "*** SKIPPED: no promtool (in Debian's package prometheus): alerts and queries were not checked" >&2; fi
 
-# The dashboard, checked with Grafana's types.
+# Checks the dashboard against Grafana's types.
 GRAFANA = $(PYTHON_TARGET)/grafana
 GRAFANA_PACKAGES := @grafana/schema@13.2.3 typescript@5.9.3
 lint-dashboard:
@@ -154,9 +154,9 @@ lint-dashboard:
 		{ echo "import type { Checked } from './check'; export const dashboard: Checked ="; cat deploy/grafana/ltcforge.json; } \
 			>$(GRAFANA)/dashboard.ts && \
 		$(GRAFANA)/node_modules/.bin/tsc --noEmit --strict --skipLibCheck --target es2022 --module nodenext $(GRAFANA)/dashboard.ts; \
-	else echo '*** SKIPPED: no @grafana/schema and typescript of npm: the dashboard was not checked' >&2; fi
+	else echo '*** SKIPPED: could not install @grafana/schema and typescript from npm: the dashboard was not checked' >&2; fi
 
-# `make test-all` runs tests with these names, and tests marked `ignore`.
+# `make test` skips tests with these names; `make test-all` runs them and tests marked `ignore`.
 SLOW := schemathesis pgbouncer
 # Without incremental compilation, a first build takes a quarter less processor time.
 test test-all lint: export CARGO_INCREMENTAL ?= 0
@@ -166,7 +166,7 @@ test: packages browser cluster
 	@$(MAKE) --no-print-directory -j2 --output-sync=target test-units test-suites
 	@$(MAKE) --no-print-directory test-for-native
 
-# Suites that mostly wait for processes, leases and browsers run in parallel with suites that compute.
+# test-suites mostly waits for processes, leases and browsers, so it runs in parallel with test-units, which computes.
 CARGO_BESIDE = env -u MAKEFLAGS $(CARGO)
 test-units:
 	$(CARGO_BESIDE) test --locked --lib --bins --test core --test library
@@ -180,15 +180,15 @@ test-all: test schemathesis lint-deploy
 	$(CARGO) test --locked --test product -- $(SLOW)
 	$(CARGO) test --locked -p ltcforge-studies -p ltcforge-driver -p ltcforge-benches --lib --bins
 
-# Tests the pinned digests again, with the crates that make tables compiled for this machine's processor, and for a processor with
-# AVX2 but without AVX-512.
+# Tests the pinned digests again. Compiles the crates that make tables for this machine's processor, and for a processor
+# with AVX2 but without AVX-512.
 NATIVE_CPUS := native $(if $(filter x86_64,$(shell uname -m)),$(shell grep -qw avx2 /proc/cpuinfo && echo x86-64-v3))
 test-native: $(addprefix test-for-,$(NATIVE_CPUS))
 test-for-%:
 	CARGO_TARGET_DIR=$(NATIVE_TARGET)/$* RUSTFLAGS="-C target-cpu=$*" $(CARGO_BESIDE) test --locked -p ltcforge-pinned-test
 
-# Clippy checks the workspace, and the core alone, whose errors other features could hide. There are no examples: with --examples
-# cargo selects the features of tests, so that rustdoc reuses the results of clippy.
+# Clippy checks the workspace, and then the core alone, because other features could hide its errors. There are no
+# examples, but with --examples cargo selects the features of tests, so rustdoc reuses the results of clippy.
 lint: packages
 	$(CARGO) fmt --all -- --check
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
@@ -197,16 +197,16 @@ lint: packages
 		--no-deps --document-private-items
 	@$(MAKE) --no-print-directory lint-core lint-deny lines
 
-# Licences, sources and advisories of all crates.
+# Checks licences, sources and advisories of all crates.
 lint-deny:
 	@if $(CARGO) deny --version >/dev/null 2>&1; then $(CARGO) deny --locked check --hide-inclusion-graph; \
-	else echo '*** SKIPPED: no cargo-deny: licences, sources and advisories were not checked' >&2; fi
+	else echo '*** SKIPPED: cargo-deny is not installed: licences, sources and advisories were not checked' >&2; fi
 
-# Lines of code of each crate.
+# Prints the lines of code of each crate.
 lines:
 	@files=$$(find src -name '*.rs'); awk -f .ci/lines.awk $$files pass=2 $$files
 
-# The dependencies of a Rust program that only needs a table.
+# Limits the dependencies of a Rust program that only needs a table.
 CORE_CRATES := 50
 CORE_WITHOUT := tokio|axum|sled|wgpu|naga|clap|rustls|ureq|object_store|reqwest
 lint-core:

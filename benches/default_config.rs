@@ -1,10 +1,10 @@
-//! The configuration of a service that a bench starts.
+//! The configuration of a service in a bench.
 
 use std::{path::Path, time::Duration};
 
 use ltcforge::{files::recipe_document::DEFAULT_ENTRY_LIMIT, server::service::Config, view::preview::Adapter};
 
-/// A service in `folder` with `workers` workers, whose limits no bench reaches.
+/// A service in `folder` with `workers` workers. Benches do not reach its limits.
 pub fn config(folder: &Path, workers: usize) -> Config {
     Config {
         data_dir: folder.to_owned(),

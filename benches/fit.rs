@@ -1,8 +1,8 @@
-//! The cost of an entry: one evaluation, one entry of each preset, and one step of the paper's algorithm.
+//! The cost of an entry: one evaluation, one entry for each preset, and one step of the paper's algorithm.
 //!
-//! `cargo bench --bench fit` ends with the speed-up over the paper's fitter. The speed-up is the time of the paper's
-//! 10,000 steps of 2048 samples and 64 directions, from a step measured in the same run, over the time of an entry of
-//! preset `paper`.
+//! At its end, `cargo bench --bench fit` prints the speed-up over the paper's fitter. This is the time of the paper's
+//! fit, divided by the time of an entry with preset `paper`. The paper's fit has 10,000 steps with 2048 samples and 64
+//! directions. Its time comes from a step measured in the same run.
 #![allow(missing_docs, reason = "criterion's macros define undocumented functions")]
 
 use std::{
@@ -24,7 +24,7 @@ const PAPER_STEPS: u32 = 10_000;
 const PAPER_SAMPLES: u32 = 2048;
 const PAPER_DIRECTIONS: u32 = 64;
 
-/// Lobes spread over the domain, from broad to needle and mirror-like, from above to grazing.
+/// Lobes across the domain: from broad to needle-like and mirror-like, and from views from above to grazing views.
 const LOBES: [(f64, f64, f64, f64); 16] = [
     (1.0, 1.0, 0.3, 0.2),
     (1.0, 0.3, 0.9, 1.2),
@@ -108,7 +108,7 @@ fn paper_step(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// The median of seven runs of each. They take turns, so that a busy machine slows both.
+/// The medians of seven runs of both fits. The runs alternate, so a busy machine slows both.
 fn speed_up(_: &mut Criterion) {
     const RUNS: usize = 7;
     const STEPS: u32 = 4;
@@ -141,7 +141,7 @@ fn speed_up(_: &mut Criterion) {
     };
     let (entry, step) = (median(&mut entries), median(&mut steps));
     println!(
-        "speed-up over the paper's algorithm: {:.0} ({PAPER_STEPS} steps of {step:?} against {entry:?} an entry)",
+        "speed-up over the paper's algorithm: {:.0} ({PAPER_STEPS} steps of {step:?} against {entry:?} per entry)",
         step.as_secs_f64() * f64::from(PAPER_STEPS) / entry.as_secs_f64()
     );
 }

@@ -1,9 +1,10 @@
-//! The cost of sharing a database and a store of tables, and the gain of a second worker.
+//! The cost of sharing a database and a table store, and the gain from a second worker.
 //!
-//! `cargo bench -p ltcforge-benches --bench hosts` runs every part, and `-- PART` one: `tables`, `large`, `workers`,
-//! `threads` or `start`. It compares the shared service with the embedded one, job by job in turn, and two workers with
-//! one, on several jobs at once and on one larger job. The bench starts its own PostgreSQL, which waits for its disk.
-//! The store is a folder. Times come from the queue's clock, so that measuring them takes no processor time.
+//! `cargo bench -p ltcforge-benches --bench hosts` runs every part. With `-- PART` it runs only one: `tables`, `large`,
+//! `workers`, `threads` or `start`. It compares the shared service with the embedded service. The jobs of the two
+//! services alternate. It also compares two workers with one, on several jobs at once and on one larger job. The bench
+//! starts its own PostgreSQL, with synchronous writes. The store is a folder. Times come from the queue's clock, so
+//! measuring them takes no processor time.
 
 use std::{
     num::NonZeroUsize,
@@ -22,9 +23,9 @@ mod throwaway;
 
 use default_config::config;
 
-/// Turns of each side of a comparison.
+/// Turns for each side of a comparison.
 const TURNS: u32 = 5;
-/// Jobs at once when workers are compared.
+/// Jobs at the same time when workers are compared.
 const JOBS: u32 = 4;
 
 /// The resolution of the default table: 3,780 entries.
@@ -44,7 +45,7 @@ fn submit(service: &Service, recipe: &str) -> JobId {
     }
 }
 
-/// Waits until the state of the job satisfies `is_there`, and returns the job.
+/// Waits until `is_there` returns true for the state of the job, and returns the job.
 fn wait(service: &Service, id: JobId, is_there: fn(StateName) -> bool) -> Job {
     let mut followed = service.watch(id).expect("an answer").expect("a job");
     let runtime = tokio::runtime::Builder::new_current_thread().build().expect("a runtime");
@@ -52,7 +53,7 @@ fn wait(service: &Service, id: JobId, is_there: fn(StateName) -> bool) -> Job {
     there.expect("the last snapshot has the final state").job.clone()
 }
 
-/// Seconds from the submission of `recipes` until all their tables are stored.
+/// Seconds from the submission of `recipes` until all of their tables are stored.
 fn seconds(service: &Service, recipes: &[String]) -> f64 {
     let ids: Vec<JobId> = recipes.iter().map(|recipe| submit(service, recipe)).collect();
     let jobs: Vec<Job> = ids.into_iter().map(|id| wait(service, id, StateName::is_final)).collect();
@@ -62,12 +63,12 @@ fn seconds(service: &Service, recipes: &[String]) -> f64 {
     ended.duration_since(began).as_secs_f64()
 }
 
-/// Recipes of `jobs` default tables that no other turn has.
+/// Recipes for `jobs` default tables. No other turn has the same recipes.
 fn tables(turn: u32, jobs: u32) -> Vec<String> {
     (turn * jobs..(turn + 1) * jobs).map(|seed| recipe(DEFAULT, seed)).collect()
 }
 
-/// The recipe of a larger table that no other turn has.
+/// The recipe for a larger table. No other turn has the same recipe.
 fn large_table(turn: u32) -> Vec<String> {
     vec![recipe(LARGE, turn)]
 }
@@ -77,27 +78,27 @@ fn median(mut values: Vec<f64>) -> f64 {
     values[values.len() / 2]
 }
 
-/// Prints the medians of both sides, and the median of their ratios in each turn.
+/// Prints the medians of both sides, and the median of the ratios of the turns.
 fn compare(name: &str, unit: &str, pairs: &[[f64; 2]]) {
     let [one, other] = [0, 1].map(|side| median(pairs.iter().map(|pair| pair[side]).collect()));
     let ratio = median(pairs.iter().map(|pair| pair[1] / pair[0]).collect());
     println!("{name}: {one:.3} and {other:.3} {unit}, ratio {ratio:.3} (medians of {} turns)", pairs.len());
 }
 
-/// Whether the command line names this part, or no part at all.
+/// Whether the command line names this part, or names no part.
 fn is_wanted(part: &str) -> bool {
     let mut parts = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).peekable();
     parts.peek().is_none() || parts.any(|wanted| wanted == part)
 }
 
-/// The services of this bench, whose files are in `folder`.
+/// The services of this bench. Their files are in `folder`.
 struct Bench {
     server: throwaway::Server,
     folder: tempfile::TempDir,
 }
 
 impl Bench {
-    /// An empty database, and the folder of tables.
+    /// A shared service with an empty database and the folder of tables.
     fn shared(&self) -> Shared {
         let tables = self.folder.path().join("tables");
         std::fs::create_dir_all(&tables).expect("a folder");
@@ -139,7 +140,7 @@ impl Bench {
                 })
             })
             .collect();
-        compare("a larger table, embedded, by two threads and by one", "s", &pairs);
+        compare("a larger table, embedded, with two threads and with one", "s", &pairs);
     }
 
     fn workers(&self) {
@@ -156,7 +157,7 @@ impl Bench {
         }
         one.stop();
         front.stop();
-        compare(&format!("{JOBS} default tables by two workers and by one, a thread each"), "s", &pairs);
+        compare(&format!("{JOBS} default tables with two workers and with one, one thread each"), "s", &pairs);
     }
 
     fn threads(&self) {
@@ -172,7 +173,7 @@ impl Bench {
             }));
         }
         front.stop();
-        compare(&format!("{JOBS} default tables by two threads of one worker and by one"), "s", &pairs);
+        compare(&format!("{JOBS} default tables with one worker, with two threads and with one"), "s", &pairs);
     }
 
     fn start(&self) {
@@ -192,7 +193,7 @@ impl Bench {
     }
 }
 
-/// A part of the bench, and its name on the command line.
+/// A part of the bench, with its name on the command line.
 type Part = (&'static str, fn(&Bench));
 
 fn main() {

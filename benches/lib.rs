@@ -1,1 +1,1 @@
-//! This library is empty: the package consists of its benches.
+//! This library is empty. The package only has benches.

@@ -1,5 +1,5 @@
-//! The time and the memory that planning takes on two threads. The scene has a million triangles and 50 textures of
-//! 1024 x 1024 texels, of metals and dielectrics. It is seen from everywhere, or by two cameras.
+//! The time and the memory for planning on two threads. The scene has a million triangles, and 50 textures of 1024 x
+//! 1024 texels with metals and dielectrics. It is planned for all views, and for two cameras.
 //!
 //! `cargo bench -p ltcforge-benches --bench plan`.
 #![allow(missing_docs, reason = "criterion's macros define undocumented functions")]
@@ -10,10 +10,10 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use ltcforge_plan::{Budget, Form, Needs, Scene, TablePlan};
 use serde_json::{Value, json};
 
-/// Textures, each with its own material and mesh.
+/// Textures. Each has its own material and mesh.
 const TEXTURES: usize = 50;
 const TEXELS: usize = 1024;
-/// Squares along a mesh, each of two triangles.
+/// Squares along a side of a mesh. Each has two triangles.
 const SQUARES: u32 = 100;
 
 /// A pseudo-random byte for each `i`.
@@ -22,7 +22,7 @@ fn mixed(i: usize) -> u8 {
     (bits >> 56) as u8
 }
 
-/// A PNG whose roughness changes slowly with a little noise, and whose metal comes in spots.
+/// A PNG with slowly changing roughness, a little noise, and spots of metal.
 fn texture(number: usize) -> Vec<u8> {
     let texel = |i: usize| {
         let (x, y) = (i % TEXELS, i / TEXELS);
@@ -123,7 +123,7 @@ fn scene(has_cameras: bool) -> Vec<u8> {
     out
 }
 
-/// Reads the scene and plans its table. Returns the time at the end of each step.
+/// Reads the scene and plans its table. Returns the time after each step.
 fn planned<T>(glb: &[u8], now: impl Fn() -> T) -> [T; 2] {
     let scene = Scene::from_bytes(glb.to_vec(), &|| true).expect("a scene");
     let read = now();
@@ -139,7 +139,7 @@ fn processor_seconds() -> f64 {
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
 
-/// The peak memory of this process in megabytes; `None` where the system does not report it.
+/// The peak memory of this process in megabytes. `None` if the system does not report it.
 fn most_memory() -> Option<u64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
@@ -154,7 +154,7 @@ fn plans(criterion: &mut Criterion) {
         let now = || [wall.elapsed().as_secs_f64(), processor_seconds() - processor];
         let [read, end] = pool.install(|| planned(&glb, now));
         println!(
-            "{name}: read in {:.2} s and planned after {:.2} s, of two threads' processor time {:.2} and {:.2} s; at most {} MB until here",
+            "{name}: read in {:.2} s, planned after {:.2} s (processor time of both threads: {:.2} and {:.2} s); peak memory {} MB",
             read[0],
             end[0],
             read[1],

@@ -1,4 +1,5 @@
-//! The time of a picture's pyramid on two threads: for 1024 x 1024 texels, and for a size that is odd on every level.
+//! The time to compute a picture's pyramid on two threads: for 1024 x 1024 texels, and for a size that is odd on every
+//! level.
 //!
 //! `cargo bench --bench prefilter`.
 #![allow(missing_docs, reason = "criterion's macros define undocumented functions")]

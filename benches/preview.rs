@@ -1,7 +1,7 @@
-//! The cost of a picture: the first picture, a picture of each estimator once warm, and the share of the lookup.
+//! The time of the first picture, of a picture by each estimator after a warm-up, and of the lookup.
 //!
-//! `cargo bench --bench preview`. The lookup's cost is the difference between a frame and one whose lookup is replaced
-//! by a constant; all variants take turns, so that a busy machine slows all of them.
+//! `cargo bench --bench preview`. The time of the lookup is the difference between a frame and a frame whose lookup is
+//! replaced by a constant. All variants take turns, so a busy machine slows all of them.
 #![allow(missing_docs, reason = "criterion's macros define undocumented functions")]
 
 use std::{
@@ -18,7 +18,7 @@ use ltcforge::{
     view::preview::{Adapter, Light, LightKind, Material, Mode, Preview, Scene, ShaderTable, TexelFormat, Weights},
 };
 
-/// The table of a layout at its default resolution. The quality of its fit does not change the cost of a picture.
+/// The table of a layout at its default resolution. The quality of its fit does not change the time of a picture.
 fn table(layout: &str) -> Table {
     let document = format!(r#"{{"preset": "draft", "layout": "{layout}"}}"#);
     let plan = Plan::new(&recipe_document::parse(document.as_bytes(), DEFAULT_ENTRY_LIMIT).expect("a recipe"));
@@ -38,7 +38,7 @@ fn timed(preview: &mut Preview, table: &Arc<ShaderTable>, scene: &Scene) -> Dura
     start.elapsed()
 }
 
-/// The median and the least time. The least is the time on a machine that does nothing else.
+/// The median and the least time. The least time is that of an idle machine.
 fn summary(mut times: Vec<Duration>) -> String {
     times.sort();
     format!("{:.1?}, at least {:.1?}", times[times.len() / 2], times[0])
@@ -91,7 +91,7 @@ fn frames(_: &mut Criterion) {
         let (name, preview, table, _) = &mut candidates[index];
         let times = (0..5).map(|_| timed(preview, table, &reference)).collect();
         let twin = if name.contains("CPU") { ", CPU twin" } else { "" };
-        println!("reference, 64 samples a pixel{twin}: {}", summary(times));
+        println!("reference, 64 samples per pixel{twin}: {}", summary(times));
     }
 }
 

@@ -1,8 +1,9 @@
-//! The overhead of the service over a fit and a download.
+//! The overhead of the service over a plain fit and a plain download.
 //!
-//! `cargo bench -p ltcforge-benches --bench service`. The bench compares a job with the same recipe fitted, encoded and
-//! measured without a service, by processor time. It compares a download with a bare server that reads, hashes and
-//! sends the same file over the same kind of connection. The two sides take turns, so that a busy machine slows both.
+//! `cargo bench -p ltcforge-benches --bench service`. The bench compares the processor time of a job with that of a fit
+//! of the same recipe, which is encoded and measured without a service. It compares a download with a download from a
+//! bare server that reads, hashes and sends the same file over the same kind of connection. Both sides take turns, so a
+//! busy machine slows both.
 
 use std::{
     fs,
@@ -33,20 +34,20 @@ mod default_config;
 
 use default_config::config;
 
-/// Turns of each side of a comparison.
+/// Turns for each side of a comparison.
 const JOBS: u32 = 7;
 const DOWNLOADS: u32 = 15;
-/// Downloads in a turn.
+/// Downloads per turn.
 const REPEATED: u32 = 100;
 
-/// A recipe of the default table that was not fitted before.
+/// A recipe for the default table. It was not fitted before.
 fn recipe(seed: u32) -> String {
     format!(r#"{{"preset":"draft","fit":{{"seed":{seed}}}}}"#)
 }
 
 /// The processor time of this process, in seconds.
 fn processor_seconds() -> f64 {
-    /// `USER_HZ` of every Linux.
+    /// `USER_HZ` on every Linux.
     const TICKS: f64 = 100.0;
     let stat = fs::read_to_string("/proc/self/stat").expect("Linux");
     let (_, fields) = stat.rsplit_once(')').expect("a name in parentheses");
@@ -90,7 +91,7 @@ impl Client {
         body
     }
 
-    /// Submits a recipe and waits for its table's digest.
+    /// Submits a recipe, waits for the job, and returns the table's digest.
     fn fit(&mut self, recipe: &str) -> String {
         let job = self.ask("POST", "/v1/jobs", recipe);
         let id = text(&job, "id");
@@ -105,7 +106,7 @@ impl Client {
     }
 }
 
-/// The text of a field in a JSON object of the service.
+/// The text of a field in a JSON object from the service.
 fn text(json: &[u8], name: &str) -> String {
     let json = String::from_utf8_lossy(json);
     let (_, rest) = json.split_once(&format!("\"{name}\":\"")).unwrap_or_else(|| panic!("no {name} in {json}"));
@@ -122,7 +123,7 @@ fn fit_directly(pool: &rayon::ThreadPool, recipe: &str) -> usize {
     })
 }
 
-/// A server that answers each byte with the file's bytes, which it reads and hashes again each time.
+/// A server that responds to each byte with the contents of the file. It reads and hashes the file again each time.
 fn bare_server(path: &Path) -> SocketAddr {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let (address, path) = (listener.local_addr().expect("an address"), path.to_owned());
@@ -148,7 +149,7 @@ fn least(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
-/// Prints the times of both sides, and by how many per cent the service took longer.
+/// Prints the times of both sides, and the overhead of the service in per cent.
 fn compare(name: &str, unit: &str, [plain, service]: [Vec<f64>; 2]) {
     let ratios = plain.iter().zip(&service).map(|(plain, service)| service / plain).collect();
     let part = 100.0 * (median(ratios) - 1.0);
@@ -158,7 +159,7 @@ fn compare(name: &str, unit: &str, [plain, service]: [Vec<f64>; 2]) {
         "{name}: {:.4} {unit} without the service, {:.4} with it (medians; least {:.4}, {:.4})",
         plain.1, service.1, plain.0, service.0
     );
-    println!("{name}: {part:+.1} % by the median of the turns, {least_part:+.1} % by the least of each");
+    println!("{name}: {part:+.1} % from the median of the turns, {least_part:+.1} % from the least of each side");
 }
 
 fn main() {
@@ -171,7 +172,7 @@ fn main() {
     let address = listener.local_addr().expect("an address");
     let (stop, stopped) = tokio::sync::oneshot::channel::<()>();
     let shutdown = async {
-        // Dropped at the end.
+        // The service stops when the sender is dropped at the end.
         let _ = stopped.await;
     };
     let serving = runtime.spawn(serve(listener, Arc::clone(&service), Options::default(), shutdown));
@@ -207,7 +208,7 @@ fn main() {
         for _ in 0..REPEATED {
             assert_eq!(client.ask("GET", &format!("/v1/tables/{digest}"), "").len(), bytes);
         }
-        // The first warms up.
+        // The first turn is a warm-up.
         if turn > 0 {
             let each = |time: Duration| 1e3 * time.as_secs_f64() / f64::from(REPEATED);
             times[0].push(each(middle - start));

@@ -1,9 +1,9 @@
-//! Our fitter against the published algorithm, run to its end, on the same lobes in the same minutes.
+//! Compares our fitter with the published algorithm, run to its end, on the same lobes at the same time.
 //!
-//! `cargo bench --bench speedup [-- STEPS]` fits each entry at preset `paper` and by solver `sgd` at the paper's
-//! settings: 10,000 steps by default, of 2048 samples and 64 directions. It takes a quarter of an hour on two cores. It
-//! prints the time and the error of both for 16 lobes, and writes the matrices, in the format of `ltcforge lookup`, to
-//! `target/speedup/{ours,published}.csv` in the current folder.
+//! `cargo bench --bench speedup [-- STEPS]` fits each entry with preset `paper`, and with solver `sgd` at the paper's
+//! settings: 10,000 steps by default, with 2048 samples and 64 directions. It takes a quarter of an hour on two cores.
+//! It prints the time and the error of both fits for 16 lobes. It writes the matrices, in the format of `ltcforge
+//! lookup`, to `target/speedup/{ours,published}.csv` in the current folder.
 
 use std::{
     fs,
@@ -23,7 +23,7 @@ use ltcforge::{
 use rayon::prelude::*;
 
 const LOBES: usize = 16;
-/// Repetitions of our fit, which takes milliseconds. The bench prints their median.
+/// Repetitions of our fit, which takes milliseconds. The bench prints the median.
 const REPEATS: usize = 31;
 
 /// The time of one lobe, and its error.
@@ -68,7 +68,8 @@ fn main() {
     write("published", &rows, |row| row.published.2);
 }
 
-/// A lobe of a material as artists set it: even in perceptual roughness, ratio, theta and phi.
+/// Lobe `k`: alpha, the smaller alpha, theta and phi. Lobes are of materials as artists set them, evenly distributed in
+/// perceptual roughness, ratio, theta and phi.
 fn place(k: usize) -> [f64; 4] {
     let [roughness, ratio, theta, phi] = recurrence4(k, [0.5, 0.1, 0.9, 0.3]);
     let alpha = (0.05 + 0.95 * roughness) * (0.05 + 0.95 * roughness);
@@ -97,7 +98,7 @@ fn compare(k: usize, sgd: &FitSettings) -> Row {
         descend.descended(&ggx, wo, k as u64, &mut StopCheck::new(&mut go_on)).expect("nothing stops it");
     let their_time = start.elapsed();
 
-    // Samples that neither fit has used.
+    // Samples that neither fit used.
     let mut judge = Fitter::new(&settings(Recipe::builder().samples(4096).directions(64).seed(7)));
     let mut error = |m: &DMat3| judge.error(&ggx, wo, m);
     let (our_error, their_error) = (error(&our_matrix), error(&their_matrix));

@@ -1,10 +1,10 @@
-# Common functions of the parts of `make load`. They source this file and then run in a temporary folder.
+# Common functions for the parts of `make load`. Each part sources this file and then runs in a temporary folder.
 # shellcheck shell=bash disable=SC2034 # The parts use variables that are set here.
 set -euo pipefail
 shopt -s inherit_errexit
 
 ltcforge=$(realpath "${LTCFORGE:?the path of the ltcforge binary}")
-# Length and number of timed measurements.
+# The length in seconds and the number of measurements.
 seconds=${SECONDS_EACH:-2}
 rounds=${ROUNDS:-5}
 work=$(mktemp -d)
@@ -14,14 +14,14 @@ export no_proxy='*'
 cd "$work"
 missed=0
 
-# Ends the part with success if a tool is missing.
+# Exits with success if a tool is missing.
 need() {
   for tool; do
-    command -v "$tool" >/dev/null || { echo "*** SKIPPED: no $tool, and nothing was measured" >&2; exit 0; }
+    command -v "$tool" >/dev/null || { echo "*** SKIPPED: $tool is not installed; nothing was measured" >&2; exit 0; }
   done
 }
 
-# Starts a service on the folder `data`: its address is in `service`, its process in `server`.
+# Starts a service on the folder `data`. Sets `service` to its URL and `server` to its process id.
 start_service() {
   rm -f listening
   mkfifo listening
@@ -33,7 +33,7 @@ start_service() {
 get() { curl -sS --fail-with-body "$@"; }
 # Submits a recipe and prints the id of the job.
 submit() { get -d "$1" "$service/v1/jobs" | jq -r .id; }
-# Waits for a job and prints its table.
+# Waits for a job and prints the digest of its table.
 table_of() {
   local job state
   while job=$(get "$service/v1/jobs/$1") && state=$(jq -r .state <<<"$job"); do
@@ -53,10 +53,10 @@ by_wrk() {
   echo "$out"
 }
 
-# Prints the median of one number per line in a format of printf.
+# Prints the median of the input, one number per line, in a printf format.
 median() { sort -g | awk -v format="$1" '{ all[NR] = $1 } END { printf format, all[int((NR + 1) / 2)] }'; }
 
-# Prints a row: name, figure, limit, unit.
+# Prints a row (name, measured value, limit, unit) and sets `missed` if the value exceeds the limit.
 row() {
   printf '%-60s %9s %9s %s\n' "$@"
   awk -v figure="$2" -v most="$3" 'BEGIN { exit !(figure <= most) }' || missed=1

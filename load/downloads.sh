@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Compares downloads of one table from the service and from nginx, in turns. The service must reach half of nginx's rate.
+# Compares downloads of one table from the service and from nginx, in turns. The service must be half as fast as nginx.
 . "$(dirname "$0")/common.sh"
-# Debian has nginx in a folder for root.
+# Debian installs nginx in /usr/sbin.
 PATH=$PATH:/usr/sbin
 need nginx wrk curl jq
 
@@ -12,7 +12,7 @@ mkdir files
 get -o files/table "$ours"
 bytes=$(stat -c %s files/table)
 
-# nginx cannot choose a free port. A port below those of outgoing connections is usually free.
+# nginx cannot choose a free port. Ports below the range for outgoing connections are usually free.
 port=$((20000 + RANDOM % 10000))
 cat >nginx.conf <<CONF
 daemon off;
@@ -33,7 +33,7 @@ http {
   server { listen 127.0.0.1:$port; root $work/files; }
 }
 CONF
-# Workers of nginx run as another user if root starts it.
+# If root starts nginx, its workers run as another user.
 chmod -R a+rX "$work"
 nginx -c "$work/nginx.conf" 2>nginx.out & pids+=($!)
 theirs=http://127.0.0.1:$port/table
@@ -41,7 +41,7 @@ curl -s --retry 20 --retry-delay 1 --retry-connrefused -o nginx.table "$theirs" 
 cmp nginx.table files/table
 
 tag() { curl -sSI "$1" | tr -d '\r' | sed -n 's/^etag: *//Ip'; }
-# Prints requests a second.
+# Prints requests per second.
 rate() {
   local fields=()
   case $1 in
@@ -50,7 +50,7 @@ rate() {
   esac
   by_wrk "${fields[@]}" "$2" | sed -n 's/^Requests\/sec: *//p'
 }
-echo "A table of $bytes bytes, 64 connections, median of $rounds rounds of $seconds s in turns, requests a second:"
+echo "A table of $bytes bytes, 64 connections, median of $rounds rounds of $seconds s in turns, requests per second:"
 printf '%-6s %9s %9s %7s %6s\n' '' nginx ltcforge ratio least
 for kind in GET 304 Range; do
   rm -f nginx.rates ltcforge.rates

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Measures 2,000 small jobs: their time, the data folder, the memory, and the next starts of the service.
+# Runs 2,000 small jobs. Measures their time, the size of the data folder, memory, and the next starts of the service.
 . "$(dirname "$0")/common.sh"
 need curl jq
 jobs=2000
 
 start_service
-# One connection. For a full queue, the answer says when to come back, and curl waits for as long.
+# Uses one connection. If the queue is full, curl waits as long as `Retry-After` states and retries.
 for seed in $(seq "$jobs"); do
   [ "$seed" = 1 ] || echo next
   cat <<CURL
@@ -23,7 +23,7 @@ began=$EPOCHREALTIME
 curl -K requests >codes
 accepted=$(grep -c 202 codes) || true
 [ "$accepted" = "$jobs" ] || { echo "*** only $accepted of $jobs jobs were accepted" >&2; sort codes | uniq -c >&2; exit 1; }
-# Prints the number of jobs in the states of a pattern.
+# Prints the number of jobs whose state matches a pattern.
 count() { get "$service/metrics" | awk -v states="^ltcforge_jobs{state=\"($1)\"}" '$1 ~ states { sum += $2 } END { print sum }'; }
 until [ "$(count 'queued|running')" = 0 ]; do sleep 0.1; done
 ended=$EPOCHREALTIME

@@ -1,5 +1,5 @@
-// Lights one surface by one light, by a Gaussian. It shows how to call gaussians_light.wgsl, and checks a port. Needs
-// ltc_math.wgsl and gaussians_light.wgsl. Replace it with your own code; delete GaussiansExample* then.
+// Lights one surface with one light, by a Gaussian. It shows how to call gaussians_light.wgsl. Use its results to check
+// a port. Needs ltc_math.wgsl and gaussians_light.wgsl. Replace it with your own code, and delete GaussiansExample*.
 
 struct GaussiansExampleCase {
     /// View direction in the tangent frame, of unit length. w: alpha_x.
@@ -13,7 +13,7 @@ struct GaussiansExampleCase {
 }
 
 @group(0) @binding(0) var<uniform> gaussians_case: GaussiansExampleCase;
-/// x: reflected light for a Fresnel factor of one. y: the part of x that Schlick's fifth power weighs. z, w: 0.
+/// x: reflected light for a Fresnel factor of one. y: the same light weighted by Schlick's fifth power. z, w: 0.
 @group(0) @binding(1) var<storage, read_write> gaussians_result: vec4<f32>;
 
 @compute @workgroup_size(1)
@@ -37,6 +37,6 @@ fn gaussians_example() {
     } else {
         parts = gaussians_polygon(view, vertices, count, two_sided);
     }
-    // Light of radiance L arrives as L (f0 (parts.x - parts.y) + f90 parts.y).
+    // The reflected light of radiance L is L (f0 (parts.x - parts.y) + f90 parts.y).
     gaussians_result = vec4(parts, 0.0, 0.0);
 }

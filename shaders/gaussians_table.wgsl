@@ -1,7 +1,7 @@
 // Reads a table of Gaussians for gaussians_light.wgsl. Needs ltc_table.wgsl and gaussians_light.wgsl.
 
-/// The Gaussian of a table's numbers. The third column of m is the axis times a length. The other columns are the
-/// deviations times the same length, plus a part along the axis, which is removed.
+/// Decodes a Gaussian from the numbers of a table. The third column of m is the axis times a length. The other columns
+/// are the standard deviations times this length, plus a part along the axis, which this function removes.
 fn gaussians_of_lobe(kind: u32, lobe: LtcLobe) -> GaussiansView {
     let size = max(length(lobe.m[2]), 1e-18);
     let axis = normalize(vec3(lobe.m[2].xy, max(lobe.m[2].z, 1e-6 * size)));
@@ -12,8 +12,8 @@ fn gaussians_of_lobe(kind: u32, lobe: LtcLobe) -> GaussiansView {
     return view;
 }
 
-/// The table's Gaussian for a surface and a view direction, as gaussians_view returns one. kind must be the table's
-/// kind.
+/// The table's Gaussian for a surface and a view direction, in the form that gaussians_view returns. kind must be the
+/// kind of the table's Gaussians.
 fn gaussians_lookup(kind: u32, alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> GaussiansView {
     return gaussians_of_lobe(kind, ltc_lookup(alpha_x, alpha_y, wo));
 }

@@ -1,6 +1,6 @@
-// Lights one surface by one light, by a table of Gaussians. It shows how to call gaussians_table.wgsl, and checks a
-// port. Needs gaussians_table.wgsl and its files. Replace it with your own code; delete group 1 and GaussiansExample*
-// then.
+// Lights one surface with one light, by a table of Gaussians. It shows how to call gaussians_table.wgsl. Use its
+// results to check a port. Needs gaussians_table.wgsl and the files that it needs. Replace it with your own code, and
+// delete group 1 and GaussiansExample*.
 
 struct GaussiansExampleCase {
     /// View direction in the tangent frame, of unit length. w: alpha_x.
@@ -14,7 +14,7 @@ struct GaussiansExampleCase {
 }
 
 @group(1) @binding(0) var<uniform> gaussians_case: GaussiansExampleCase;
-/// x: reflected light for a Fresnel factor of one. y: the part of x that Schlick's fifth power weighs. z, w: 0.
+/// x: reflected light for a Fresnel factor of one. y: the same light weighted by Schlick's fifth power. z, w: 0.
 @group(1) @binding(1) var<storage, read_write> gaussians_result: vec4<f32>;
 
 @compute @workgroup_size(1)
@@ -38,6 +38,6 @@ fn gaussians_table_example() {
     } else {
         parts = gaussians_polygon(view, vertices, count, two_sided);
     }
-    // Light of radiance L arrives as L (f0 (parts.x - parts.y) + f90 parts.y).
+    // The reflected light of radiance L is L (f0 (parts.x - parts.y) + f90 parts.y).
     gaussians_result = vec4(parts, 0.0, 0.0);
 }

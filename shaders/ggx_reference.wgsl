@@ -6,15 +6,16 @@
 /// A light in the scene's coordinates.
 struct Light {
     /// xyz: a vertex of the polygon, or of the polygon that replaces an ellipse; clockwise as seen from the side that
-    /// emits. w: area of the triangles (0, 1, 2) to (0, i - 1, i), divided by the whole area.
+    /// emits. w: area of the triangles (0, 1, 2) to (0, i - 1, i), divided by the area of the polygon.
     vertices: array<vec4<f32>, 8>,
     /// xyz: centre of an ellipse, or one end of a tube or line. w: radius of the tube or width of the line.
     centre: vec4<f32>,
-    /// xyz: half axes of an ellipse. w: one over their length squared. For a tube or line, the first is the other end.
+    /// xyz: half axes of an ellipse. w: one over their squared length. The first entry holds the other end of a tube or
+    /// line.
     half_axes: array<vec4<f32>, 2>,
     /// xyz: unit normal on the side that emits. w: area.
     normal: vec4<f32>,
-    /// x: radiance. w: base of its picture, as the texts to include take it.
+    /// x: radiance. w: argument `base` of textured_colour for the light's picture.
     radiance: vec4<f32>,
     /// x: number of vertices. y: 1 if both sides emit.
     options: vec4<u32>,
@@ -22,7 +23,7 @@ struct Light {
 
 @group(1) @binding(0) var<uniform> light: Light;
 
-/// The shape of the light. It is a constant of the pipeline, because software drivers run both sides of a branch.
+/// The shape of the light. It is a pipeline constant, because software drivers run both sides of a branch.
 override light_shape: u32 = 0u;
 
 const LIGHT_POLYGON: u32 = 0u;
@@ -42,7 +43,7 @@ struct Shaded {
     alpha: vec2<f32>,
 }
 
-/// Directions whose cosine is below this count as below the horizon.
+/// Directions with a smaller cosine count as below the horizon.
 const GGX_HORIZON: f32 = 1e-6;
 
 fn reference_hash(key: u32) -> u32 {
@@ -71,7 +72,7 @@ fn ggx_distribution(alpha: vec2<f32>, wm: vec3<f32>) -> f32 {
     return 1.0 / (3.14159265 * alpha.x * alpha.y * q * q);
 }
 
-/// A normal visible from wo, sampled by spherical caps [Dupuy and Benyoub 2023].
+/// Samples a normal visible from wo, by spherical caps [Dupuy and Benyoub 2023].
 fn ggx_visible_normal(alpha: vec2<f32>, wo: vec3<f32>, u: vec2<f32>) -> vec3<f32> {
     let standard = normalize(vec3(alpha * wo.xy, wo.z));
     let z = (1.0 - u.y) * (1.0 + standard.z) - standard.z;
@@ -81,14 +82,14 @@ fn ggx_visible_normal(alpha: vec2<f32>, wo: vec3<f32>, u: vec2<f32>) -> vec3<f32
     return normalize(vec3(alpha * wm.xy, max(wm.z, 0.0)));
 }
 
-/// Whether the light emits towards the shaded point. cosine is between the light's normal and the direction to the
-/// light.
+/// Whether the light emits towards the shaded point. cosine is the dot product of the light's normal and the direction
+/// to the light.
 fn light_faces(cosine: f32) -> bool {
     let towards = select(-cosine, abs(cosine), light.options.y == 1u);
     return towards > GGX_HORIZON;
 }
 
-/// Density per steradian with which light_sample draws the direction wi. Negative where wi misses the light.
+/// The density, per steradian, with which light_sample draws the direction wi. Negative if wi misses the light.
 fn light_pdf(position: vec3<f32>, wi: vec3<f32>) -> f32 {
     if (light_shape >= LIGHT_TUBE) {
         return solid_pdf(position, wi);
@@ -119,7 +120,7 @@ fn light_pdf(position: vec3<f32>, wi: vec3<f32>) -> f32 {
     return select(-1.0, density, is_hit);
 }
 
-/// A direction towards the light (xyz) and its density per steradian (w). w is zero where the light does not emit to
+/// A direction towards the light (xyz) and its density per steradian (w). w is zero if the light does not emit towards
 /// the point.
 fn light_sample(position: vec3<f32>, u: vec2<f32>) -> vec4<f32> {
     if (light_shape >= LIGHT_TUBE) {
@@ -133,13 +134,13 @@ fn light_sample(position: vec3<f32>, u: vec2<f32>) -> vec4<f32> {
     return vec4(direction, select(0.0, density, light_faces(facing)));
 }
 
-/// A point of the polygon or ellipse, uniform over the area.
+/// A point of the polygon or ellipse, uniformly distributed over the area.
 fn light_point(u: vec2<f32>) -> vec3<f32> {
     if (light_shape == LIGHT_ELLIPSE) {
         let turn = sqrt(u.x) * ltc_sin_cos(u.y);
         return light.centre.xyz + turn.y * light.half_axes[0].xyz + turn.x * light.half_axes[1].xyz;
     }
-    // Count through all triangles, so that every lane takes the same number of steps.
+    // Loop over all triangles, so that every lane takes the same number of steps.
     var i = 2u;
     for (var k = 2u; k + 1u < light.options.x; k++) {
         i += select(0u, 1u, u.x >= light.vertices[k].w);
@@ -153,14 +154,14 @@ fn light_point(u: vec2<f32>) -> vec3<f32> {
     return origin + root * ((1.0 - u.y) * first + u.y * second);
 }
 
-/// Reflected light by colour channel: for a Fresnel factor of one, and weighed by Schlick's (1 - wo . wm)^5.
+/// The reflected light of each colour channel: for a Fresnel factor of one, and weighted by Schlick's (1 - wo . wm)^5.
 struct ReferenceParts {
     all: vec3<f32>,
     fresnel: vec3<f32>,
 }
 
-/// The sum over `samples` samples, the first with number `first`. Some drivers end loops after 65535 steps, counting
-/// nested loops too, so take at most 1024 samples at a time.
+/// The sum over samples `first` to `first + samples - 1`. Some drivers end loops after 65535 steps, including the steps
+/// of nested loops, so take at most 1024 samples at a time.
 fn ggx_reference(at: Shaded, first: u32, samples: u32, key: u32) -> ReferenceParts {
     let a = reference_hash(key);
     let b = reference_hash(a ^ 0x9e3779b9u);
@@ -192,7 +193,7 @@ fn ggx_reference(at: Shaded, first: u32, samples: u32, key: u32) -> ReferencePar
             wm = normalize(at.wo + wi);
             let pdf_brdf = ggx_distribution(at.alpha, wm) * to_pdf;
             let g2_over_g1 = (1.0 + lambda_o) / (1.0 + lambda_o + ggx_lambda(at.alpha, wi));
-            // No reflected direction hits a line exactly, so only the light is sampled.
+            // No reflected direction hits a line exactly, so only light sampling counts.
             let pdf_both = select(pdf_brdf, 0.0, light_shape == LIGHT_LINE) + pdf_light;
             let parts = ggx_fresnel(dot(at.wo, wm)) * (g2_over_g1 * (pdf_brdf / pdf_both));
             sum = reference_sum(sum, parts, light_colour(at.position, drawn.xyz));
@@ -206,7 +207,7 @@ fn reference_sum(sum: ReferenceParts, parts: vec2<f32>, colour: vec3<f32>) -> Re
     return ReferenceParts(sum.all + parts.x * colour, sum.fresnel + parts.y * colour);
 }
 
-/// One (x), and Schlick's (1 - cosine)^5 (y).
+/// x: one. y: Schlick's (1 - cosine)^5.
 fn ggx_fresnel(cosine: f32) -> vec2<f32> {
     let m = clamp(1.0 - cosine, 0.0, 1.0);
     let m2 = m * m;

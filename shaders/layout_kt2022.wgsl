@@ -1,7 +1,7 @@
 // Layout kt2022: a table stores M and the terms as they are. Needs ltc_quadrant.wgsl and ltc_lookup.wgsl.
 
-/// The place of a configuration among evenly spaced nodes. The first nodes of alpha and ratio may be raised to the
-/// smallest values that are fitted. Weights are linear in alpha, ratio and angles.
+/// The place of a configuration among evenly spaced nodes. The first node of alpha and the first node of ratio may be
+/// raised to the smallest fitted values. Weights are linear in alpha, ratio and angles.
 fn ltc_place_kt2022(alpha: f32, ratio: f32, wo: vec3<f32>) -> LtcPlace {
     let angles = ltc_quadrant(vec2(length(wo.xy), wo.y), vec2(wo.z, wo.x));
     let surface = vec2(alpha, ratio);
@@ -13,7 +13,7 @@ fn ltc_place_kt2022(alpha: f32, ratio: f32, wo: vec3<f32>) -> LtcPlace {
     return place;
 }
 
-/// The lobe of interpolated numbers. Domain: a place within the table's ranges, wo in the first quadrant.
+/// The lobe from interpolated numbers. Domain: a place within the table's ranges, wo in the first quadrant.
 fn ltc_restore_kt2022(stored: LtcLobe, alpha_x: f32, ratio: f32, wo: vec3<f32>) -> LtcLobe {
     return stored;
 }

@@ -1,8 +1,8 @@
 // Layout reflected: a table stores each lobe relative to a reflection that is known in closed form. Needs LtcLobe and
-// LTC_LEAST_ALPHA from ltc_table.wgsl. place_reflected.wgsl has the nodes.
+// LTC_LEAST_ALPHA from ltc_table.wgsl. The nodes are in place_reflected.wgsl.
 
-/// The lobe of interpolated numbers of layout reflected. They are relative to the reflection at wm, the middle of the
-/// visible normals. Domain: a place within the table's ranges, wo in the first quadrant.
+/// The lobe from interpolated numbers of layout reflected. The numbers are relative to the reflection at wm, the middle
+/// of the visible normals. Domain: a place within the table's ranges, wo in the first quadrant.
 fn ltc_restore_reflected(stored: LtcLobe, alpha_x: f32, ratio: f32, wo: vec3<f32>) -> LtcLobe {
     let alpha = vec3(alpha_x, max(alpha_x * ratio, LTC_LEAST_ALPHA), 1.0);
     let stretched = alpha * wo;
@@ -11,9 +11,9 @@ fn ltc_restore_reflected(stored: LtcLobe, alpha_x: f32, ratio: f32, wo: vec3<f32
     let wm = normalize(alpha * (stretched * per_length + vec3(0.0, 0.0, 1.0)));
     let d = dot(wo, wm);
     let reflected = 2.0 * d * wm - wo;
-    // As the normal wm tilts along t, the reflected direction moves by 2 (d t - (reflected . t) wm). The columns of a
-    // matrix K are this motion for t along x and y, times alpha_x, and the reflected direction. M is K times the stored
-    // matrix.
+    // As the normal wm tilts along t, the reflected direction moves by 2 (d t - (reflected . t) wm). The first two
+    // columns of a matrix K are this motion times alpha_x, for t along x and along y. The third column is the reflected
+    // direction. M is K times the stored matrix.
     let s = stored.m;
     let x = 2.0 * alpha_x * s[0].xy;
     let y = 2.0 * alpha_x * s[1].xy;

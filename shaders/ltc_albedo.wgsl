@@ -1,14 +1,14 @@
 // The albedo of GGX, without a table.
 
-/// The albedo of GGX for a Fresnel factor of one: one minus the energy that shadowing loses. The error of the cubic is
-/// .0045 on average and .056 at most for views up to 88 degrees [ltcforge-studies, albedo].
+/// The albedo of GGX for a Fresnel factor of one: one minus the energy lost to shadowing. The error of the cubic
+/// polynomial is .0045 on average and at most .056 for views up to 88 degrees [ltcforge-studies, albedo].
 fn ltc_albedo(alpha_x: f32, alpha_y: f32, view: vec3<f32>) -> f32 {
-    // Interpolated normals may turn away from the viewer.
+    // Interpolated normals may face away from the viewer, so view.z may be negative.
     let wo = vec3(view.xy, max(view.z, 1e-4));
     let alpha = vec3(max(vec2(alpha_x, alpha_y), vec2(1e-5)), 1.0);
     let stretched = alpha * wo;
     let per_length = inverseSqrt(dot(stretched, stretched));
-    // G2 / G1 at the direction that the middle of the visible normals reflects.
+    // G2 / G1 for the view reflected at the middle of the visible normals.
     let normal = alpha * (stretched * per_length + vec3(0.0, 0.0, 1.0));
     let reflected = normal * (2.0 * dot(wo, normal) / dot(normal, normal)) - wo;
     let out = alpha * reflected;

@@ -1,10 +1,11 @@
-// Integrates a Linearly Transformed Cosine that ends at the surface over polygons: no light shines through from below.
-// Needs ltc_light.wgsl.
+// Integrates a Linearly Transformed Cosine over polygons. The surface cuts the lobe, so no light shines through from
+// below. Needs ltc_light.wgsl.
 //
-// Lights are relative to the shaded point, in its tangent frame, normal +z, as in ltc_light.wgsl. The surface cuts them
-// first, then the horizon of the lobe. The result is divided by the fraction of the lobe above the surface.
+// Lights are relative to the shaded point, in its tangent frame, normal +z, as in ltc_light.wgsl. They are clipped by
+// the surface first, then by the horizon of the lobe. The result is divided by the fraction of the lobe above the
+// surface.
 
-/// The outline of a light, clipped by the surface edge by edge.
+/// The outline of a light. The surface clips its edges one by one.
 struct LtcCut {
     clip: LtcClip,
     /// The points where the outline leaves the upper hemisphere and enters it again, in the tangent frame.
@@ -20,7 +21,7 @@ fn ltc_per_part_above(inverse: LtcInverse) -> f32 {
     return 2.0 / max(1.0 + row.z * inverseSqrt(dot(row, row) + 1e-36), 1e-6);
 }
 
-/// Adds an edge above the surface. It need not start where the last edge ends.
+/// Adds an edge above the surface. The edge may start anywhere, not only where the last edge ended.
 fn ltc_cut_above(inverse: LtcInverse, clip: LtcClip, start: vec3<f32>, end: vec3<f32>) -> LtcClip {
     var next = clip;
     let a = inverse.m * start;
@@ -29,7 +30,7 @@ fn ltc_cut_above(inverse: LtcInverse, clip: LtcClip, start: vec3<f32>, end: vec3
     next.previous_unit = ltc_unit(a);
     next = ltc_clip_edge(next, b);
     if (LTC_CHEAP_HORIZON) {
-        // Polygons do not read the sum; ltc_cut_shapes.wgsl adds arcs to it.
+        // Polygons do not use this sum. ltc_cut_shapes.wgsl adds arcs to it.
         var p = ltc_unit(a);
         var q = ltc_unit(b);
         if (a.z > 0.0 && b.z <= 0.0) {
@@ -77,7 +78,7 @@ fn ltc_cut_finish(inverse: LtcInverse, cut: LtcCut, two_sided: bool) -> f32 {
     return min(ltc_clip_finish(clip, inverse.side, two_sided) * ltc_per_part_above(inverse), 1.0);
 }
 
-/// Like ltc_rectangle, without light from below the surface.
+/// Like ltc_rectangle, but without light from below the surface.
 fn ltc_cut_rectangle(inverse: LtcInverse, corners: array<vec3<f32>, 4>, two_sided: bool) -> f32 {
     let last = corners[0] + corners[2] - corners[1];
     var cut = LtcCut(ltc_clip_begin(inverse.m * corners[0]), vec3(0.0), vec3(0.0));
@@ -88,7 +89,7 @@ fn ltc_cut_rectangle(inverse: LtcInverse, corners: array<vec3<f32>, 4>, two_side
     return ltc_cut_finish(inverse, cut, two_sided);
 }
 
-/// Like ltc_polygon, without light from below the surface.
+/// Like ltc_polygon, but without light from below the surface.
 fn ltc_cut_polygon(inverse: LtcInverse, vertices: array<vec3<f32>, 8>, count: u32, two_sided: bool) -> f32 {
     var outline = vertices;
     let number = clamp(count, 3u, 8u);

@@ -1,16 +1,16 @@
-// Disks, spheres, tubes and lines by a Linearly Transformed Cosine that ends at the surface, in closed form. Needs
-// ltc_shapes.wgsl and ltc_cut.wgsl.
+// Integrates a Linearly Transformed Cosine over disks, spheres, tubes and lines, in closed form. The surface cuts the
+// lobe. Needs ltc_shapes.wgsl and ltc_cut.wgsl.
 //
 // The visible part of a cut ellipse is bounded by an arc of its cone and by an edge along the surface.
 // LTC_CHEAP_HORIZON does not change disks and spheres that the surface cuts, nor tubes with both ends visible.
 
-/// An ellipse in the tangent frame, and its part above the surface.
+/// An ellipse in the tangent frame, and where the surface cuts it.
 struct LtcEllipse {
     /// The centre and both half axes.
     points: mat3x3<f32>,
     cone: LtcCone,
-    /// Whether the surface cuts the ellipse. The border rises above the surface at rise and falls below it at dip, in
-    /// the direction of ltc_clip_border.
+    /// Whether the surface cuts the ellipse. Along the direction of ltc_clip_border, the border rises above the surface
+    /// at rise and falls below it at dip.
     is_cut: bool,
     rise: vec3<f32>,
     dip: vec3<f32>,
@@ -57,7 +57,7 @@ fn ltc_cut_border(inverse: LtcInverse, clip: LtcClip, cone: LtcCone, a: vec3<f32
     return ltc_clip_border(next, cone, inverse.m * b);
 }
 
-/// Closes an outline of edges and arcs along the surface and along the horizon of the lobe.
+/// The covered part of the lobe. Where the surface or the horizon of the lobe cuts the outline, a line closes it.
 fn ltc_cut_close(inverse: LtcInverse, cut: LtcCut) -> f32 {
     var clip = cut.clip;
     if (any(cut.leaves != cut.enters)) {
@@ -82,7 +82,7 @@ fn ltc_cut_ellipse(inverse: LtcInverse, points: mat3x3<f32>) -> f32 {
     return select(0.0, covered, points[0].z > 0.0);
 }
 
-/// Like ltc_disk, without light from below the surface.
+/// Like ltc_disk, but without light from below the surface.
 fn ltc_cut_disk(inverse: LtcInverse, centre: vec3<f32>, half_x: vec3<f32>, half_y: vec3<f32>, two_sided: bool) -> f32 {
     if (inverse.side == 0.0 || (!two_sided && !(dot(centre, cross(half_x, half_y)) < 0.0))) {
         return 0.0;
@@ -90,7 +90,7 @@ fn ltc_cut_disk(inverse: LtcInverse, centre: vec3<f32>, half_x: vec3<f32>, half_
     return ltc_cut_ellipse(inverse, mat3x3(centre, half_x, half_y));
 }
 
-/// Like ltc_sphere, without light from below the surface.
+/// Like ltc_sphere, but without light from below the surface.
 fn ltc_cut_sphere(inverse: LtcInverse, centre: vec3<f32>, radius: f32) -> f32 {
     if (inverse.side == 0.0) {
         return 0.0;
@@ -101,7 +101,7 @@ fn ltc_cut_sphere(inverse: LtcInverse, centre: vec3<f32>, radius: f32) -> f32 {
     return ltc_cut_ellipse(inverse, ltc_disk_of_sphere(centre, radius));
 }
 
-/// Like ltc_line, without light from below the surface.
+/// Like ltc_line, but without light from below the surface.
 fn ltc_cut_line(inverse: LtcInverse, start: vec3<f32>, end: vec3<f32>, width: f32) -> f32 {
     if (start.z <= 0.0 && end.z <= 0.0) {
         return 0.0;
@@ -145,7 +145,7 @@ fn ltc_cut_end(inverse: LtcInverse, cut: LtcCut, ellipse: LtcEllipse, a: vec3<f3
     return next;
 }
 
-/// Like ltc_tube, without light from below the surface.
+/// Like ltc_tube, but without light from below the surface.
 fn ltc_cut_tube(inverse: LtcInverse, start: vec3<f32>, end: vec3<f32>, radius: f32) -> f32 {
     if (inverse.side == 0.0) {
         return 0.0;

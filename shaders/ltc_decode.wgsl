@@ -1,4 +1,4 @@
-// Rebuilds a table's textures from its compact form, once at load. Needs ltc_math.wgsl, layout_reflected.wgsl,
+// Decodes a table's textures from its compact form, once at load time. Needs ltc_math.wgsl, layout_reflected.wgsl,
 // ltc_smooth.wgsl and the table's constants, which `ltcforge export --container compact-wgsl` writes.
 
 /// The numbers of a table for one configuration.
@@ -10,13 +10,13 @@ struct LtcLobe {
 
 const LTC_LEAST_ALPHA: f32 = 1e-5;
 const LTC_CHANNELS: u32 = 9u;
-/// The largest size of an integer in bits, and the largest number of polynomials on an axis.
+/// The largest number of bits of an integer, and the largest number of polynomials along an axis.
 const LTC_MOST_BITS: u32 = 24u;
 const LTC_MOST_POLYNOMIALS: u32 = 28u;
 /// The number of integers that a workgroup of the first pass reads. Drivers limit the steps of a loop.
 const LTC_AT_ONCE: u32 = 1024u;
-/// The places of an array's probabilities: sizes by neighbourhood first, then the second highest bit, lower bits, and
-/// the sign.
+/// Offsets among the probabilities of an array. The probabilities of the number of bits, by neighbourhood, come first.
+/// Then come those of the second highest bit, the lower bits and the sign.
 const LTC_SECONDS: u32 = 312u;
 const LTC_LOW: u32 = 337u;
 const LTC_SIGN: u32 = 338u;
@@ -24,11 +24,11 @@ const LTC_CHANCES: u32 = 339u;
 
 /// The compact file, padded with zeros to whole words.
 @group(0) @binding(0) var<storage, read> ltc_bytes: array<u32>;
-/// For each channel LTC_SLOT numbers: its coefficients, then its corrections. After all channels, the state that a
-/// workgroup of the first pass leaves for the next: each probability minus a half, for coefficients, then for
-/// corrections; and the coder.
+/// LTC_SLOT numbers for each channel: its coefficients, then its corrections. After all channels comes the state that a
+/// workgroup of the first pass leaves for the next workgroup. It holds each probability minus one half (for
+/// coefficients, then for corrections) and the range coder.
 @group(0) @binding(1) var<storage, read_write> ltc_integers: array<i32>;
-/// The textures one after another, in RGBA.
+/// All textures, one after another, in RGBA.
 @group(0) @binding(2) var<storage, read_write> ltc_texels: array<vec4<f32>>;
 
 /// The range coder: the position of the next byte, and the interval.
@@ -59,7 +59,7 @@ fn ltc_bit(place: u32) -> u32 {
         ltc_range = bound;
         ltc_integers[LTC_STATE + place] += i32((2048u - chance) >> 4u);
     }
-    // Probabilities stay so far from 0 and 1 that one more byte is enough.
+    // Probabilities stay far enough from 0 and 1 that one more byte is enough.
     if (ltc_range < 16777216u) {
         ltc_code = (ltc_code << 8u) | ltc_byte();
         ltc_range = ltc_range << 8u;
@@ -79,7 +79,7 @@ fn ltc_before(at: u32, place: u32, stride: u32) -> u32 {
     return sum;
 }
 
-/// The next integer: number i of an array with these lengths. `at` is the place where the caller stores it.
+/// Reads the next integer, number i of an array with these lengths. The caller stores it at index `at`.
 fn ltc_integer(at: u32, i: u32, lengths: vec4<u32>, model: u32) -> i32 {
     let strides = vec4(lengths.y * lengths.z * lengths.w, lengths.z * lengths.w, lengths.w, 1u);
     let place = (vec4(i) / strides) % lengths;
@@ -110,7 +110,7 @@ fn ltc_integer(at: u32, i: u32, lengths: vec4<u32>, model: u32) -> i32 {
     return number;
 }
 
-/// The first pass: one invocation reads LTC_AT_ONCE integers. Dispatch it again until all are read.
+/// The first pass: one invocation reads LTC_AT_ONCE integers. Dispatch it again until it has read all integers.
 @compute @workgroup_size(1)
 fn ltc_read() {
     let coder = LTC_STATE + 2u * LTC_CHANCES;
@@ -173,7 +173,7 @@ fn ltc_gram(n: u32, count: u32, i: u32) -> array<f32, 28> {
     return values;
 }
 
-/// The second pass: one invocation for each entry writes its texels.
+/// The second pass: each invocation writes the texels of one entry.
 @compute @workgroup_size(64)
 fn ltc_expand(@builtin(global_invocation_id) id: vec3<u32>) {
     let strides = vec4(LTC_NODES.y * LTC_NODES.z * LTC_NODES.w, LTC_NODES.z * LTC_NODES.w, LTC_NODES.w, 1u);
@@ -213,7 +213,7 @@ fn ltc_expand(@builtin(global_invocation_id) id: vec3<u32>) {
         numbers[channel] = sum * steps[channel];
     }
 
-    // Lobes that are symmetric in a plane have exact zeros.
+    // In lobes with a plane of symmetry, some numbers are exactly zero. Set them to zero, in case decoding did not.
     var axes = LTC_AXES;
     let alpha = max(axes[place.x], 1e-4);
     let ratio = axes[LTC_NODES.x + place.y];
@@ -244,7 +244,8 @@ fn ltc_expand(@builtin(global_invocation_id) id: vec3<u32>) {
         ltc_texels[2u * entries + entry] = vec4(m[2].z, lobe.amplitude, lobe.fresnel, 0.0);
         return;
     }
-    // Isotropic tables: x is roughness, y the view. Engines read the lobe itself.
+    // Isotropic tables for engines: x is the roughness, y is the view. They store the lobe itself, not a lobe relative
+    // to its reflection.
     let polar = ltc_sin_cos(theta * 0.15915494);
     let terms = vec2(lobe.amplitude, lobe.fresnel);
     lobe = ltc_restore_reflected(lobe, alpha, ratio, vec3(polar.x, 0.0, polar.y));
@@ -264,8 +265,9 @@ fn ltc_expand(@builtin(global_invocation_id) id: vec3<u32>) {
     ltc_texels[entries + texel] = vec4(lobe.amplitude, lobe.fresnel, 0.0, ltc_clipped_form_factor(2.0 * at.x - 1.0, at.y));
 }
 
-// The form factor of a spherical cap above the horizon, divided by that of the whole cap straight ahead. c is the
-// cosine of the angle between the normal and the cap's middle; length is that of its vector form factor.
+// The form factor of a spherical cap above the horizon, divided by the form factor of the whole cap around the normal.
+// c is the cosine of the angle between the normal and the middle of the cap. length is the length of the cap's vector
+// form factor.
 fn ltc_clipped_form_factor(c: f32, length: f32) -> f32 {
     if (abs(c) >= sqrt(length)) {
         return max(c, 0.0);

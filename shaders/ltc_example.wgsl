@@ -1,12 +1,13 @@
-// Lights one surface by one light. It shows how to call the other files, and checks a port. Needs ltc_math.wgsl,
-// ltc_table.wgsl, ltc_light.wgsl and ltc_shapes.wgsl. Replace it with your own code; delete group 1 and LtcExample*
-// then.
+// Lights one surface with one light. It shows how to call the other files. Use its results to check a port. Needs
+// ltc_math.wgsl, ltc_table.wgsl, ltc_light.wgsl and ltc_shapes.wgsl. Replace it with your own code, and delete group 1
+// and LtcExample*.
 
 struct LtcExampleCase {
     /// View direction in the tangent frame, of unit length. w: alpha_x.
     wo: vec4<f32>,
-    /// x: alpha_y. y: shape of the light: 3 to 8 for a polygon of so many vertices, 0 disk, 1 sphere, 2 tube, 9 line.
-    /// z: 1 if both sides of the light emit, else 0. w: radius of a sphere or tube, width of a line.
+    /// x: alpha_y. y: shape of the light: number of vertices of a polygon (3 to 8), 0 for a disk, 1 for a sphere, 2 for
+    /// a tube, 9 for a line. z: 1 if both sides of the light emit, else 0. w: radius of a sphere or tube, width of a
+    /// line.
     light: vec4<f32>,
     /// xyz: the vertices relative to the shaded point, in the tangent frame. For a disk: centre and both half axes. For
     /// a sphere: its centre. For a tube or line: both ends.
@@ -48,7 +49,7 @@ fn ltc_example() {
     } else {
         covered = ltc_polygon(inverse, vertices, count, two_sided);
     }
-    // Light of radiance L arrives as L (f0 (amplitude - fresnel) + f90 fresnel) covered.
+    // The reflected light of radiance L is L (f0 (amplitude - fresnel) + f90 fresnel) covered.
     ltc_result.m[0] = vec4(lobe.m[0], 0.0);
     ltc_result.m[1] = vec4(lobe.m[1], 0.0);
     ltc_result.m[2] = vec4(lobe.m[2], 0.0);

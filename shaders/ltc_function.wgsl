@@ -1,10 +1,10 @@
 // A table of isotropic surfaces as polynomials, without textures and buffers. Needs layout_reflected.wgsl,
-// ltc_smooth.wgsl and a function ltc_smooth_at with the table's coefficients, which `ltcforge shader
-// --without-textures` writes.
+// ltc_smooth.wgsl and a function ltc_smooth_at with the table's coefficients, which
+// `ltcforge shader --without-textures` writes.
 
 /// The lobe of a surface seen from one direction.
 struct LtcLobe {
-    /// The matrix from the clamped cosine to the lobe, in the tangent frame.
+    /// The matrix that maps the clamped cosine to the lobe, in the tangent frame.
     m: mat3x3<f32>,
     /// The albedo is f0 (amplitude - fresnel) + f90 fresnel.
     amplitude: f32,
@@ -13,10 +13,10 @@ struct LtcLobe {
 
 /// The smallest value of the smaller roughness.
 const LTC_LEAST_ALPHA: f32 = 1e-5;
-/// The smallest value of the larger roughness. Smoother lobes are not fitted. Their reflection of a light looks like a
-/// mirror's, and so does the lobe of this roughness. Tables with textures do the same.
+/// The smallest value of the larger roughness. Smoother lobes are not fitted: at this roughness and below, a light is
+/// reflected as by a mirror. Tables with textures have the same limit.
 const LTC_ALPHA_FLOOR: f32 = 1e-4;
-/// The cosine of the most grazing view that is fitted.
+/// The cosine of the most grazing fitted view.
 const LTC_LEAST_COSINE: f32 = 1.570796e-4;
 
 /// Values of Chebyshev's polynomials: degrees 0 to 3, 4 to 7, 8 and 9.
@@ -39,7 +39,7 @@ fn ltc_chebyshev(x: f32) -> LtcChebyshev {
     return LtcChebyshev(vec4(1.0, x, t2, t3), vec4(t4, t5, t6, t7), vec2(t8, t9));
 }
 
-/// The lobe of an isotropic surface, alpha_x = alpha_y. For an anisotropic surface, the lobe of the larger roughness.
+/// The lobe of an isotropic surface, alpha_x = alpha_y. An anisotropic surface gets the lobe of its larger roughness.
 /// wo is the view direction in the tangent frame, normal +z, of unit length.
 fn ltc_lookup(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcLobe {
     let alpha = clamp(max(alpha_x, alpha_y), LTC_ALPHA_FLOOR, 1.0);
@@ -47,8 +47,9 @@ fn ltc_lookup(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcLobe {
     let place = 2.0 * (vec2(sqrt(alpha), 1.0 - sqrt(height)) - LTC_FUNCTION_START) * LTC_FUNCTION_SCALE - vec2(1.0);
     let bounded = clamp(place, vec2(-1.0), vec2(1.0));
     let numbers = ltc_smooth_at(ltc_chebyshev(bounded.x), ltc_chebyshev(bounded.y));
-    // numbers.shape has p, q and the slant; numbers.terms has the last row, amplitude and Fresnel term. The other
-    // numbers are zero in the plane of incidence. Seen from straight above, the lobe is round.
+    // numbers.shape holds p, q and the slant. numbers.terms holds the last row, the amplitude and the Fresnel term. The
+    // other arguments of ltc_of_smooth are zero, because the lobe is symmetric about the plane of incidence. Seen from
+    // straight above, the lobe is round.
     var slant = numbers.shape.z;
     var row = numbers.terms.x;
     let flat = sqrt(max(dot(wo.xy, wo.xy), 0.0));

@@ -1,22 +1,22 @@
 // Integrates a Linearly Transformed Cosine over a polygon. Needs ltc_math.wgsl.
 //
 // Vertices are relative to the shaded point, in its tangent frame, normal +z. They run clockwise as seen from the side
-// that emits. The outline must be convex. ltc_shapes.wgsl has the other shapes of lights.
+// that emits. The outline must be convex. ltc_shapes.wgsl has lights of other shapes.
 
 /// Whether to replace the integral above the horizon by a fit [Hill and Heitz 2016], for polygons, disks and spheres.
-/// The fit is cheaper and mostly too bright. For disks that the horizon cuts, by 0.033 on average and by 0.16 at most;
-/// for disks above the horizon, by 0.003 on average and by 0.09 at most.
+/// The fit is cheaper, but mostly too bright. The error is 0.033 on average and at most 0.16 for disks that the horizon
+/// cuts. For disks above the horizon, it is 0.003 on average and at most 0.09.
 const LTC_CHEAP_HORIZON: bool = false;
 
 /// The inverse of M up to a positive factor, which does not change directions.
 struct LtcInverse {
     m: mat3x3<f32>,
-    /// -1 if M mirrors and so reverses the order of vertices. 0 if M has no inverse; then no light arrives.
+    /// -1 if M mirrors, which reverses the order of vertices. 0 if M has no inverse; no light is reflected then.
     side: f32,
 }
 
 /// The inverse of M: the adjugate divided by its largest element. The determinant may underflow, and the inverse of a
-/// sharp lobe has numbers of size 1 / alpha. This form needs no determinant and keeps vertices of any size in range.
+/// sharp lobe has elements of size 1 / alpha. This form needs no determinant and keeps vertices of any size in range.
 fn ltc_inverse(m: mat3x3<f32>) -> LtcInverse {
     let x = cross(m[1], m[2]);
     let y = cross(m[2], m[0]);
@@ -28,14 +28,14 @@ fn ltc_inverse(m: mat3x3<f32>) -> LtcInverse {
     return LtcInverse(transpose(mat3x3(x * scale, y * scale, z * scale)), side);
 }
 
-/// The vector at unit length; zero for a zero vector.
+/// The vector scaled to unit length; zero for a zero vector.
 fn ltc_unit(v: vec3<f32>) -> vec3<f32> {
     return v * inverseSqrt(dot(v, v) + 1e-36);
 }
 
 /// The angle between two unit vectors divided by its sine, minus one. Error below 2.5e-5 h / sin(h), where h is half
-/// the angle. The sum of the vectors is precise up to a straight angle; their dot product is not [ltcforge-studies,
-/// polynomials].
+/// the angle. The sum of the vectors stays precise up to an angle of 180 degrees; their dot product does not
+/// [ltcforge-studies, polynomials].
 fn ltc_bend(a: vec3<f32>, b: vec3<f32>) -> f32 {
     let sum = a + b;
     let k = dot(sum, sum) + 1e-18;
@@ -47,7 +47,7 @@ fn ltc_arc(a: vec3<f32>, b: vec3<f32>) -> f32 {
     return (a.x * b.y - a.y * b.x) * ltc_bend(a, b);
 }
 
-/// (a x b).z relative to an origin.
+/// (a x b).z, computed relative to an origin.
 ///
 /// The sum over a closed outline does not depend on the origin. With an origin near a small light, each term is as
 /// small as the sum. Otherwise rounding errors would be larger than the sum.
@@ -57,7 +57,7 @@ fn ltc_chord(a: vec3<f32>, b: vec3<f32>, origin: vec3<f32>) -> f32 {
     return p.x * q.y - p.y * q.x;
 }
 
-/// The integral over a convex polygon, added up edge by edge. Parts below the horizon of the lobe are left out.
+/// The integral over a convex polygon, added up edge by edge. It leaves out parts below the horizon of the lobe.
 struct LtcClip {
     sum: f32,
     /// A point near the outline.
@@ -67,14 +67,14 @@ struct LtcClip {
     /// The points where the outline leaves the upper hemisphere and enters it again.
     leaves: vec3<f32>,
     enters: vec3<f32>,
-    /// For LTC_CHEAP_HORIZON: the vector form factor without a horizon, times 2 pi, and the sum of the vertices'
+    /// For LTC_CHEAP_HORIZON: the vector form factor without a horizon, times 2 pi; and the sum of the vertices'
     /// directions.
     flux: vec3<f32>,
     ahead: vec3<f32>,
 }
 
-/// Begins at a vertex in cosine space. Call ltc_clip_edge with each of the other vertices in order, then with this
-/// vertex.
+/// Starts an outline at a vertex in cosine space. Call ltc_clip_edge with each of the other vertices in order, then
+/// with this vertex.
 fn ltc_clip_begin(vertex: vec3<f32>) -> LtcClip {
     let start = ltc_unit(vertex);
     return LtcClip(0.0, start, vertex, start, vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
@@ -93,7 +93,7 @@ fn ltc_clip_edge(clip: LtcClip, b: vec3<f32>) -> LtcClip {
     return ltc_clip_exact_edge(clip, b);
 }
 
-/// The same as ltc_clip_edge without LTC_CHEAP_HORIZON.
+/// Does the same as ltc_clip_edge if LTC_CHEAP_HORIZON is false.
 fn ltc_clip_exact_edge(clip: LtcClip, b: vec3<f32>) -> LtcClip {
     var next = clip;
     let a = clip.previous;
@@ -129,7 +129,7 @@ fn ltc_clip_finish(clip: LtcClip, side: f32, two_sided: bool) -> f32 {
     return ltc_clip_exact_finish(clip, side, two_sided);
 }
 
-/// The same as ltc_clip_finish without LTC_CHEAP_HORIZON.
+/// Returns the same as ltc_clip_finish if LTC_CHEAP_HORIZON is false.
 fn ltc_clip_exact_finish(clip: LtcClip, side: f32, two_sided: bool) -> f32 {
     let is_cut = any(clip.leaves != clip.enters);
     let closing = select(0.0, ltc_chord(clip.leaves, clip.enters, clip.origin) + ltc_arc(clip.leaves, clip.enters), is_cut);
@@ -137,7 +137,7 @@ fn ltc_clip_exact_finish(clip: LtcClip, side: f32, two_sided: bool) -> f32 {
     return clamp(select(sum, abs(sum), two_sided), 0.0, 1.0);
 }
 
-/// The covered part of the lobe for a rectangle, with LTC_CHEAP_HORIZON.
+/// The covered part of the lobe for a rectangle if LTC_CHEAP_HORIZON is true.
 fn ltc_cheap_rectangle(inverse: LtcInverse, corners: array<vec3<f32>, 4>, two_sided: bool) -> f32 {
     var clip = ltc_clip_begin(inverse.m * corners[3]);
     clip = ltc_clip_edge(clip, inverse.m * corners[0]);
@@ -147,12 +147,13 @@ fn ltc_cheap_rectangle(inverse: LtcInverse, corners: array<vec3<f32>, 4>, two_si
     return ltc_clip_finish(clip, inverse.side, two_sided);
 }
 
-/// The covered part of the lobe for a rectangle or parallelogram by its corners in order. The last corner is not read.
+/// The covered part of the lobe for a rectangle or parallelogram, given by its corners in order. The last corner is not
+/// read.
 ///
-/// Two edges rise from the lowest corner, and two more to the highest. The part above the horizon has at most five
-/// corners: the highest; the two next to it, moved up to the horizon if they are below; and the points where both paths
-/// from the lowest corner cross the horizon. If nothing is cut off, these points are the lowest corner. No corner ever
-/// jumps.
+/// Two edges rise from the lowest corner, and two more edges rise to the highest corner. The part above the horizon has
+/// at most five corners: the highest corner; the two corners next to it, moved up to the horizon if they are below it;
+/// and the points where both paths from the lowest corner cross the horizon. If nothing is cut off, both points are the
+/// lowest corner. All five corners move continuously with the light.
 fn ltc_rectangle(inverse: LtcInverse, corners: array<vec3<f32>, 4>, two_sided: bool) -> f32 {
     if (LTC_CHEAP_HORIZON) {
         return ltc_cheap_rectangle(inverse, corners, two_sided);
@@ -183,7 +184,7 @@ fn ltc_rectangle(inverse: LtcInverse, corners: array<vec3<f32>, 4>, two_sided: b
     return select(0.0, clamp(select(covered, abs(covered), two_sided), 0.0, 1.0), highest.z > 0.0);
 }
 
-/// The covered part of the lobe for a convex polygon of 3 to 8 vertices in order; the count is clamped to this range.
+/// The covered part of the lobe for a convex polygon with 3 to 8 vertices in order. The count is clamped to this range.
 fn ltc_polygon(inverse: LtcInverse, vertices: array<vec3<f32>, 8>, count: u32, two_sided: bool) -> f32 {
     var outline = vertices;
     let number = clamp(count, 3u, 8u);

@@ -1,8 +1,8 @@
 // Reads a table: fold, fetch, restore the matrix from the layout's numbers, unfold. Needs ltc_math.wgsl,
-// ltc_table.wgsl, and functions ltc_place_of and ltc_restore that call those of a layout; `ltcforge shader` writes
-// them.
+// ltc_table.wgsl, and the functions ltc_place_of and ltc_restore, which call the functions of a layout.
+// `ltcforge shader` writes both functions.
 
-/// A configuration in the frame of the table: the larger roughness is along x, the view in the first quadrant.
+/// A configuration in the frame of the table: the larger roughness is along x, and the view is in the first quadrant.
 struct LtcFold {
     alpha: f32,
     ratio: f32,
@@ -12,8 +12,8 @@ struct LtcFold {
     y: vec2<f32>,
 }
 
-/// Folds a configuration. wo is the view direction in the tangent frame, normal +z, of unit length. Values outside the
-/// table's ranges are clamped.
+/// Folds a configuration into the frame of the table. wo is the view direction in the tangent frame, normal +z, of unit
+/// length. Values outside the table's ranges are clamped.
 fn ltc_fold(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcFold {
     let a = max(vec2(alpha_x, alpha_y), vec2(LTC_LEAST_ALPHA));
     let swap = a.y > a.x;
@@ -50,13 +50,13 @@ fn ltc_fold(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcFold {
     return fold;
 }
 
-/// A place between the nodes lower and lower + 1 of each axis, and the weight of the node lower + 1.
+/// A place along each axis: between the nodes lower and lower + 1, with the weight of node lower + 1.
 struct LtcPlace {
     lower: vec4<f32>,
     weight: vec4<f32>,
 }
 
-/// The place of coordinates in which the nodes are evenly spaced.
+/// Finds the place from coordinates in which the nodes are evenly spaced.
 fn ltc_place(steps: vec4<f32>) -> LtcPlace {
     let most = max(vec4<f32>(ltc_table.nodes) - vec4(2.0), vec4(0.0));
     let at = (steps - ltc_table.start) * ltc_table.per_step;
@@ -64,8 +64,8 @@ fn ltc_place(steps: vec4<f32>) -> LtcPlace {
     return LtcPlace(lower, clamp(at - lower, vec4(0.0), vec4(1.0)));
 }
 
-/// The 16 entries around a place, interpolated here: exact weights, any texture format. `layer` is the first layer of
-/// the lobe.
+/// Interpolates the 16 entries around a place in the shader. Weights are exact, and any texture format works. `layer`
+/// is the first layer of the lobe.
 fn ltc_fetch_weighed(lower: vec4<f32>, upper: vec4<f32>, layer: u32) -> LtcTexels {
     var sum = LtcTexels(vec4(0.0), vec4(0.0), vec4(0.0));
     let first = vec4<u32>(lower);
@@ -74,7 +74,7 @@ fn ltc_fetch_weighed(lower: vec4<f32>, upper: vec4<f32>, layer: u32) -> LtcTexel
         let step = (vec4(corner) >> vec4(3u, 2u, 1u, 0u)) & vec4(1u);
         let weights = select(vec4(1.0) - upper, upper, step == vec4(1u));
         let weight = weights.x * weights.y * weights.z * weights.w;
-        // There is no entry after the last node; its weight is zero.
+        // There is no entry after the last node. Its weight would be zero.
         let entry = min(first + step, last);
         let fetched = ltc_fetch(vec3(entry.w, entry.y * ltc_table.nodes.z + entry.z, entry.x + layer));
         sum.a += weight * fetched.a;
@@ -84,9 +84,9 @@ fn ltc_fetch_weighed(lower: vec4<f32>, upper: vec4<f32>, layer: u32) -> LtcTexel
     return sum;
 }
 
-/// The entries around a place, interpolated by the sampler along all axes except ratio.
+/// Interpolates the entries around a place. The sampler interpolates along all axes except ratio.
 fn ltc_fetch_filtered(lower: vec4<f32>, upper: vec4<f32>, layer: u32) -> LtcTexels {
-    // The sampler clamps a row after the last ratio; its weight is zero.
+    // The sampler clamps the row after the last ratio. The weight of this row is zero.
     let texel = ltc_table.texel;
     let place = lower + upper + vec4(0.5);
     let row = (lower.y * texel.z + place.z) * texel.y;
@@ -96,21 +96,21 @@ fn ltc_fetch_filtered(lower: vec4<f32>, upper: vec4<f32>, layer: u32) -> LtcTexe
 }
 
 /// A surface and a view in the frame of the table, and their place among the nodes.
-struct LtcSeen {
+struct LtcView {
     fold: LtcFold,
     place: LtcPlace,
 }
 
-/// The frame and the place of a configuration. wo as in ltc_fold.
-fn ltc_seen(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcSeen {
+/// Finds the frame and the place of a configuration. wo is as in ltc_fold.
+fn ltc_view(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcView {
     let fold = ltc_fold(alpha_x, alpha_y, wo);
-    return LtcSeen(fold, ltc_place_of(fold.alpha, fold.ratio, fold.wo));
+    return LtcView(fold, ltc_place_of(fold.alpha, fold.ratio, fold.wo));
 }
 
 /// The lobe whose first layer is `layer`.
-fn ltc_lobe_at(seen: LtcSeen, layer: u32) -> LtcLobe {
-    let fold = seen.fold;
-    let place = seen.place;
+fn ltc_lobe_at(view: LtcView, layer: u32) -> LtcLobe {
+    let fold = view.fold;
+    let place = view.place;
     var texels: LtcTexels;
     if (ltc_hardware_filter) {
         texels = ltc_fetch_filtered(place.lower, place.weight, layer);
@@ -132,7 +132,7 @@ fn ltc_lobe_at(seen: LtcSeen, layer: u32) -> LtcLobe {
     return lobe;
 }
 
-/// The lobe of the table for a surface and a view direction. wo as in ltc_fold.
+/// The lobe of the table for a surface and a view direction. wo is as in ltc_fold.
 fn ltc_lookup(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcLobe {
-    return ltc_lobe_at(ltc_seen(alpha_x, alpha_y, wo), 0u);
+    return ltc_lobe_at(ltc_view(alpha_x, alpha_y, wo), 0u);
 }

@@ -5,7 +5,7 @@
 fn ltc_atan2(y: f32, x: f32) -> f32 {
     let low = min(y, abs(x));
     let high = max(y, abs(x));
-    // Above tan(pi / 8), the polynomial is used relative to pi / 4.
+    // Above tan(pi / 8), the polynomial gives the difference from pi / 4.
     let is_far = low > 0.41421356 * high;
     let t = select(low, low - high, is_far) / max(select(high, low + high, is_far), 1e-37);
     let z = t * t;

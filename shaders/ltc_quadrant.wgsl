@@ -1,6 +1,7 @@
-// Angles of directions in the first quadrant, for the place of an entry. Interpolation weights need no more digits.
+// Angles of directions in the first quadrant, to find the place of an entry. They are precise enough for interpolation
+// weights.
 
-/// The angles of vectors in the first quadrant from +x. Error below 4e-7 [ltcforge-studies, polynomials].
+/// The angles from +x to vectors in the first quadrant. Error below 4e-7 [ltcforge-studies, polynomials].
 fn ltc_quadrant(y: vec2<f32>, x: vec2<f32>) -> vec2<f32> {
     let t = (y - x) / (y + x);
     let z = t * t;

@@ -17,8 +17,8 @@ struct LtcCone {
     axes: mat3x3<f32>,
 }
 
-/// An arc of a cone's border. sines and cosines hold the difference and the product of both ends' values; turn is the
-/// sine of the angle between the ends.
+/// An arc of a cone's border. sines holds the difference and the product of the sines at both ends; cosines holds those
+/// of the cosines. turn is the sine of the angle between the ends.
 struct LtcBorder {
     sines: vec2<f32>,
     cosines: vec2<f32>,
@@ -31,7 +31,7 @@ fn ltc_angle(y: f32, x: f32) -> f32 {
     return select(upper, -upper, y < 0.0);
 }
 
-/// The turn (cosine, sine) at unit length; (1, 0) for a zero vector.
+/// Scales the turn (cosine, sine) to unit length; (1, 0) for a zero vector.
 fn ltc_unit_turn(turn: vec2<f32>) -> vec2<f32> {
     let size = max(abs(turn.x), abs(turn.y));
     if (!(size > 0.0)) {
@@ -41,12 +41,12 @@ fn ltc_unit_turn(turn: vec2<f32>) -> vec2<f32> {
     return scaled / sqrt(dot(scaled, scaled));
 }
 
-/// The positive root of l^3 + trace l^2 + minors l - last, whose other roots are negative, by Newton's steps from
+/// The positive root of l^3 + trace l^2 + minors l - last, whose other roots are negative, by Newton's method from
 /// above.
 fn ltc_cone_root(trace: f32, minors: f32, last: f32) -> f32 {
     var root = (2.0 * sqrt(max(trace * trace - 3.0 * minors, 0.0)) - trace) * 0.33333333;
     if (trace > 0.0) {
-        // Bound of the root without the cube, in the form that does not subtract positive numbers.
+        // An upper bound: the root without the cubic term, in the form that does not subtract positive numbers.
         let size = sqrt(minors * minors + 4.0 * trace * last);
         if (minors > 0.0) {
             root = min(root, 2.0 * last / (minors + size));
@@ -64,7 +64,7 @@ fn ltc_cone_root(trace: f32, minors: f32, last: f32) -> f32 {
     return root;
 }
 
-/// The cone of an ellipse by its centre and any two conjugate half axes, all in cosine space.
+/// The cone of an ellipse, from its centre and any two conjugate half axes, all in cosine space.
 fn ltc_cone(centre: vec3<f32>, half_x: vec3<f32>, half_y: vec3<f32>) -> LtcCone {
     var cone = LtcCone();
     let most = max(max(abs(centre), abs(half_x)), abs(half_y));
@@ -85,7 +85,8 @@ fn ltc_cone(centre: vec3<f32>, half_x: vec3<f32>, half_y: vec3<f32>) -> LtcCone 
     if (!(l3 > 0.0 && volume > 0.0)) {
         return cone;
     }
-    // The columns of a multiple of middle * middle^T. Cross products keep the small eigenvalues of needles.
+    // The columns of a multiple of middle * middle^T. Cross products keep the small eigenvalues of needle-shaped
+    // ellipses.
     let rest = l3 * (trace + l3);
     let col_x = x_y * x_y.x - y_c * y_c.x - c_x * c_x.x - l3 * (x * x.x + y * y.x - c * c.x) + vec3(rest, 0.0, 0.0);
     let col_y = x_y * x_y.y - y_c * y_c.y - c_x * c_x.y - l3 * (x * x.y + y * y.y - c * c.y) + vec3(0.0, rest, 0.0);
@@ -195,12 +196,12 @@ fn ltc_cone_covered(cone: LtcCone) -> f32 {
     let top = horizon.xy;
     let q = horizon.z;
     let h = horizon.w;
-    // All differences of sines and cosines, written as products.
+    // All differences of sines and cosines are written as products.
     var border: LtcBorder;
     border.sines = vec2(2.0 * h * top.x, top.y * q * top.y * q - top.x * h * top.x * h);
     border.cosines = vec2(-2.0 * h * top.y, top.x * q * top.x * q - top.y * h * top.y * h);
     border.turn = 2.0 * q * h;
-    // The arc of the horizon closes the border.
+    // An arc along the horizon closes the border.
     let across = cone.b * cone.g * abs(n.x * top.x) + cone.a * cone.g * abs(n.y * top.y) + cone.a * cone.b * abs(n.z * q);
     let ahead = cone.g * cone.g + cone.a * cone.a * border.cosines.y + cone.b * cone.b * border.sines.y;
     return clamp((ltc_along(cone, border) + ltc_atan2(2.0 * h * across, ahead)) * 0.15915494, 0.0, 1.0);
@@ -237,11 +238,12 @@ fn ltc_sphere(inverse: LtcInverse, centre: vec3<f32>, radius: f32) -> f32 {
     return ltc_cone_covered(ltc_sphere_cone(inverse, centre, radius));
 }
 
-/// The covered part of the lobe for a line between two points. Its width faces the shaded point everywhere: the limit
-/// of a thin tube of this diameter. It is darker than a tube: by some 2 % if the radius is a fiftieth of the distance.
+/// The covered part of the lobe for a line between two points. Its width faces the shaded point everywhere, so the line
+/// is the limit of a thin tube of this diameter. It is darker than the tube, by about 2 % if the radius is a fiftieth
+/// of the distance.
 fn ltc_line(inverse: LtcInverse, start: vec3<f32>, end: vec3<f32>, width: f32) -> f32 {
-    // For a line that points at the shaded point, normal and distance are rounding errors. They cancel because both
-    // come from the difference of the ends and are used for both ends.
+    // For a line that points at the shaded point, normal and distance are only rounding errors. These errors cancel,
+    // because normal and distance both come from the difference of the ends and are used for both ends.
     let middle = 0.5 * (start + end);
     let lit = cross(middle, end - start);
     var p = inverse.m * start;
@@ -267,7 +269,8 @@ fn ltc_line(inverse: LtcInverse, start: vec3<f32>, end: vec3<f32>, width: f32) -
     let at_q = vec2(distance, dot(q, t));
     let from_p = at_p / max(sqrt(dot(at_p, at_p)), 1e-18);
     let from_q = at_q / max(sqrt(dot(at_q, at_q)), 1e-18);
-    // Sine of the difference of both angles from o towards t; sine and cosine of their sum.
+    // The angles of p and q run from o towards t. sine is the sine of their difference; sum is the cosine and sine of
+    // their sum.
     let sine = abs(from_p.x * from_q.y - from_p.y * from_q.x);
     let angle = ltc_atan2(sine, dot(from_p, from_q));
     let sum = vec2(from_p.x * from_q.x - from_p.y * from_q.y, from_p.y * from_q.x + from_p.x * from_q.y);
@@ -292,7 +295,7 @@ fn ltc_round(first: vec2<f32>, second: vec2<f32>) -> f32 {
     return select(1.0 - cosine, 3.0 + cosine, sine < 0.0);
 }
 
-/// An arc of a cone's border, as ltc_chord relative to an origin.
+/// The integral along an arc of a cone's border, relative to an origin as in ltc_chord.
 fn ltc_border(cone: LtcCone, first: vec2<f32>, second: vec2<f32>, origin: vec3<f32>) -> f32 {
     let p = ltc_unit(ltc_direction_of(cone, first));
     let q = ltc_unit(ltc_direction_of(cone, second));
@@ -304,7 +307,7 @@ fn ltc_border(cone: LtcCone, first: vec2<f32>, second: vec2<f32>, origin: vec3<f
     return ltc_along(cone, border) + moved;
 }
 
-/// Adds the arc of a cone's border to b, except the part below the horizon.
+/// Adds the arc of a cone's border from the previous point to b, except the part below the horizon.
 fn ltc_clip_border(clip: LtcClip, cone: LtcCone, b: vec3<f32>) -> LtcClip {
     var next = clip;
     next.previous = b;
@@ -342,9 +345,9 @@ fn ltc_clip_border(clip: LtcClip, cone: LtcCone, b: vec3<f32>) -> LtcClip {
     return next;
 }
 
-/// The covered part of the lobe for a tube with round ends: all points within the radius of the line between two
-/// points; 1 if the shaded point is inside. Its outline has two arcs of the spheres at both ends and two straight
-/// edges, which lie in the planes that touch both spheres.
+/// The covered part of the lobe for a tube with round ends; 1 if the shaded point is inside. The tube contains all
+/// points within the radius of the segment from start to end. Its outline has an arc of the sphere at each end, and two
+/// straight edges in the planes that touch both spheres.
 fn ltc_tube(inverse: LtcInverse, start: vec3<f32>, end: vec3<f32>, radius: f32) -> f32 {
     if (inverse.side == 0.0) {
         return 0.0;
@@ -358,7 +361,7 @@ fn ltc_tube(inverse: LtcInverse, start: vec3<f32>, end: vec3<f32>, radius: f32) 
     }
     let beside = start - axis * dot(start, axis);
     let beside2 = dot(beside, beside);
-    // Seen along its axis, the tube is hidden by the sphere at its nearer end.
+    // A tube seen along its axis is hidden by the sphere at its nearer end.
     if (!(distance > 0.0) || beside2 <= radius * radius) {
         return ltc_cone_covered(ltc_sphere_cone(inverse, nearest, radius));
     }

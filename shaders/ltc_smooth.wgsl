@@ -1,7 +1,7 @@
-// The matrix of layout reflected, from seven numbers that vary smoothly. Compact forms of tables store these numbers.
-// Any values give a matrix with a positive determinant.
+// Builds the matrix of layout reflected from seven numbers that vary smoothly. Compact forms of tables store these
+// numbers. Any values give a matrix with a positive determinant.
 
-/// The smallest rotation that takes +z to a unit vector above -z.
+/// The smallest rotation that takes +z to a unit vector other than -z.
 fn ltc_from_z(axis: vec3<f32>) -> mat3x3<f32> {
     let k = 1.0 / (1.0 + axis.z);
     return mat3x3(
@@ -11,7 +11,7 @@ fn ltc_from_z(axis: vec3<f32>) -> mat3x3<f32> {
     );
 }
 
-/// The matrix. root: p, l and q of the Cholesky factor (p, 0; l, q) of the upper block. slant: the stereographic
+/// Builds the matrix. root: p, l and q of the Cholesky factor (p, 0; l, q) of the upper block. slant: the stereographic
 /// projection of the third column. row: the last row, times the height of the third column.
 fn ltc_of_smooth(root: vec3<f32>, slant: vec2<f32>, row: vec2<f32>) -> mat3x3<f32> {
     let p = max(root.x, 0.004);

@@ -1,22 +1,22 @@
-/// The covered part of the lobe for a light with a picture, and the mean colour of the picture.
+/// The result for a light with a picture: the covered part of the lobe, and the picture's mean colour in the lobe.
 struct LtcTextured {
     covered: f32,
     colour: vec3<f32>,
 }
 
-/// The height of a point above the plane that ends the lobe: the horizon of the cosine.
+/// The height of a point above the plane that bounds the lobe, which is the horizon of the cosine.
 fn ltc_height(inverse: LtcInverse, p: vec3<f32>) -> f32 {
     return (inverse.m * p).z;
 }
 
-/// The lobe on the light's plane divided by its bump. The bump is exact, so the cosine times the distance remains.
+/// The lobe on the light's plane, divided by its bump. The bump is exact, so only the height in cosine space remains.
 fn ltc_share(inverse: LtcInverse, p: vec3<f32>, quadratic: f32) -> f32 {
     let v = inverse.m * p;
     return max(v.z, 0.0) + 1e-6 * sqrt(max(dot(v, v), 1e-30));
 }
 
-/// The bump |M^-1 P|^-4 of the lobe on a plane. Its middle is the foot of the perpendicular. Lower bounds on the axes
-/// keep all numbers in range.
+/// The bump |M^-1 P|^-4 of the lobe on a plane. Its middle is the foot of the perpendicular in cosine space. Lower
+/// bounds on the axes keep all numbers in range.
 fn ltc_bump(inverse: LtcInverse, frame: LtcFrame) -> LtcBump {
     let x = inverse.m * frame.x;
     let y = inverse.m * frame.y;
@@ -32,7 +32,7 @@ fn ltc_bump(inverse: LtcInverse, frame: LtcFrame) -> LtcBump {
     return LtcBump(middle, axis, max(dot(foot, foot), 1e-30) / w);
 }
 
-/// The covered part of the lobe, as from ltc_rectangle, and the colour reflected from a picture or a lamp's profile.
+/// The covered part of the lobe, as in ltc_rectangle, and the mean colour of a picture or of a lamp's profile.
 fn ltc_shown_rectangle(
     inverse: LtcInverse,
     corners: array<vec3<f32>, 4>,
@@ -49,7 +49,7 @@ fn ltc_shown_rectangle(
     return LtcTextured(covered, ltc_colour(inverse, frame, ltc_bump(inverse, frame), picture, base, is_profile));
 }
 
-/// A rectangle with a picture, as ltc_shown_rectangle.
+/// ltc_shown_rectangle for a picture.
 fn ltc_textured_rectangle(
     inverse: LtcInverse,
     corners: array<vec3<f32>, 4>,
@@ -60,7 +60,7 @@ fn ltc_textured_rectangle(
     return ltc_shown_rectangle(inverse, corners, two_sided, picture, base, false);
 }
 
-/// A lamp with an IES profile, stored as 512 x 512 texels.
+/// ltc_shown_rectangle for the IES profile of a lamp, stored as 512 x 512 texels.
 fn ltc_profile_rectangle(
     inverse: LtcInverse,
     corners: array<vec3<f32>, 4>,

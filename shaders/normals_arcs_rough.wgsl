@@ -1,4 +1,4 @@
-/// The angle between unit vectors divided by its sine. Relative error below 8e-4.
+/// The angle between two unit vectors, divided by its sine. Relative error below 8e-4.
 fn normals_angle(a: vec3<f32>, b: vec3<f32>) -> f32 {
     let h = a.x * b.x + (a.y * b.y + (a.z * b.z + 1.0000002));
     return (2.2214415 + h * 0.4152027) * inverseSqrt(h) + (-0.9720743 + h * -0.0933735);

@@ -1,4 +1,5 @@
-/// Reflected light of a disk by its half axes, as the octagon of its area. It emits towards half_x x half_y.
+/// The reflected light of a disk, replaced by the regular octagon of the same area. The disk emits towards half_x x
+/// half_y.
 fn normals_disk(view: NormalsView, centre: vec3<f32>, half_x: vec3<f32>, half_y: vec3<f32>, two_sided: bool) -> vec2<f32> {
     var vertices: array<vec3<f32>, 8>;
     var turn = vec2(0.97368348, 0.4033129);

@@ -23,7 +23,7 @@ fn normals_edge(view: NormalsView, flux: vec3<f32>, begin: NormalsCorner, end: N
     let y = sum.x * sum.x + (sum.y * sum.y + (sum.z * sum.z + 1e-10));
     let image = begin.image + end.image + (0.5 * y - 2.0) * view.image;
     let b = image * inverseSqrt(y * (begin.length * end.length));
-    // Halve the conic at the point equally far from both ends, if the ends differ.
+    // Split the conic at the point equally far from both ends, if the ends differ.
     let apart = a - c;
     let bend = 2.0 * dot(b, apart) / (apart.x * apart.x + (apart.y * apart.y + (apart.z * apart.z + 1e-8)));
     let t = bend + sqrt(bend * bend + 1.0);

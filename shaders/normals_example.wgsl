@@ -1,5 +1,5 @@
-// Lights one surface by one light, without a table. It shows how to call a rule's functions, and checks a port. Replace
-// it with your own code; delete NormalsExample* then.
+// Lights one surface with one light, without a table. It shows how to call the functions of a rule. Use its results
+// to check a port. Replace it with your own code, and delete NormalsExample*.
 
 struct NormalsExampleCase {
     /// View direction in the tangent frame, of unit length. w: alpha_x.
@@ -12,7 +12,7 @@ struct NormalsExampleCase {
 }
 
 @group(0) @binding(0) var<uniform> normals_case: NormalsExampleCase;
-/// x: reflected light for a Fresnel factor of one. y: the part of x that Schlick's fifth power weighs. z, w: 0.
+/// x: reflected light for a Fresnel factor of one. y: the same light weighted by Schlick's fifth power. z, w: 0.
 @group(0) @binding(1) var<storage, read_write> normals_result: vec4<f32>;
 
 @compute @workgroup_size(1)
@@ -33,6 +33,6 @@ fn normals_example() {
     } else {
         parts = normals_polygon(view, &vertices, count, two_sided);
     }
-    // Light of radiance L arrives as L (f0 (parts.x - parts.y) + f90 parts.y).
+    // The reflected light of radiance L is L (f0 (parts.x - parts.y) + f90 parts.y).
     normals_result = vec4(parts, 0.0, 0.0);
 }

@@ -1,7 +1,7 @@
-/// Reflected light of a rectangle of radiance one. x: for a Fresnel factor of one. y: weighed by Schlick's (1 - wo .
-/// h)^5.
+/// The reflected light of a rectangle of radiance one: for a Fresnel factor of one (x), and weighted by Schlick's
+/// (1 - wo . h)^5 (y).
 fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided: bool) -> vec2<f32> {
-    // Turn both sides so that they rise. A corner below the surface slides up along its side.
+    // Orient both sides so that they rise. A corner below the surface slides up along its side.
     let falls = select(vec2(0.0), vec2(1.0), vec2(corners[1].z, corners[3].z) < corners[0].zz);
     let along = corners[1] - corners[0];
     let across = corners[3] - corners[0];
@@ -16,7 +16,7 @@ fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided:
     let slide = -1.0 / max(vec2(x.z, y.z), vec2(1e-15));
     let right_up = right + saturate(right.z * slide.y) * y;
     let left_up = left + saturate(left.z * slide.x) * x;
-    // a and b are the ends of the lowest side after the cut, or a single point.
+    // a and b are the ends of the lowest side after clipping. They are equal if the surface cuts nothing off.
     let a = normals_corner(view, select(low + saturate(low.z * slide.y) * y, left_up, left.z <= 0.0));
     let b = normals_corner(view, select(low + saturate(low.z * slide.x) * x, right_up, right.z <= 0.0));
     var flux = normals_edge(view, vec3(0.0), a, b);
@@ -31,7 +31,7 @@ fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided:
     return normals_mean(view, flux, projected, 0.25 * rise, two_sided);
 }
 
-/// Reflected light of a convex polygon of 3 to 8 vertices, as for normals_rectangle.
+/// The reflected light of a convex polygon with 3 to 8 vertices, as in normals_rectangle.
 fn normals_polygon(view: NormalsView, vertices: ptr<function, array<vec3<f32>, 8>>, count: u32, two_sided: bool) -> vec2<f32> {
     let number = clamp(count, 3u, 8u);
     var a = (*vertices)[number - 1u];
@@ -62,8 +62,8 @@ fn normals_polygon(view: NormalsView, vertices: ptr<function, array<vec3<f32>, 8
     return normals_mean(view, flux, dot(flux, view.stretched), rise / f32(number), two_sided);
 }
 
-/// The fraction of the visible normals that reflect the light, times their mean weight. The weight starts from that of
-/// the mean normal; a small network corrects it by the weight at the vertices and by the fraction.
+/// The fraction of the visible normals that reflect the light, times their mean weight. A small network corrects the
+/// weight of the mean normal, from the weight at the vertices and from the fraction.
 fn normals_mean(view: NormalsView, flux: vec3<f32>, projected: f32, rise: f32, two_sided: bool) -> vec2<f32> {
     let part = saturate(select(projected, abs(projected), two_sided) * 0.31830989 / (view.wo.z + view.length));
     let at_mean = normals_weight(view, flux);

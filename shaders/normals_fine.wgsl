@@ -1,5 +1,5 @@
-/// A network of rectified linear units. x, y: corrections of the weight and of Schlick's part. z, w: shares of the
-/// outer corners and of the tip.
+/// A neural network of rectified linear units. Its outputs are corrections of the weight (x) and of Schlick's part (y),
+/// and the shares of the outer corners (z) and of the tip (w).
 fn normals_network(first: vec4<f32>, second: vec4<f32>, third: vec4<f32>) -> vec4<f32> {
     let units_0 = max(
         mat4x4(-13.02, -0.05123, -0.04506, 0.1745, -15.34, 3.537, 0.1719, 0.7646, 0.9581, -0.07924, 1.487, -1.318, 2.672, -0.0372, 0.4158, -0.4705) * first
@@ -21,19 +21,21 @@ fn normals_network(first: vec4<f32>, second: vec4<f32>, third: vec4<f32>) -> vec
     return outputs;
 }
 
-/// The tip: the mean normal of a light, where all its triangles meet, and values that the triangles share.
+/// The tip is the mean normal of a light. All triangles of the light meet at the tip and share the other values.
 struct NormalsTip {
     c: vec3<f32>,
-    /// The fraction of the visible normals, and the factor from an integral's component along A wo to a fraction. The
-    /// factor is negative if the edges run counterclockwise as seen from the point.
+    /// part: the fraction of the visible normals that reflect the light. side: the factor that converts an integral's
+    /// component along A wo to a fraction. It is negative if the edges run counterclockwise as seen from the shaded
+    /// point.
     part: f32,
     side: f32,
-    /// The view's rise, the larger and the smaller alpha, and the weight at the tip.
+    /// Inputs of the network that all triangles share: the view's rise, the larger and the smaller alpha, and the
+    /// weight at the tip.
     shared_inputs: vec4<f32>,
 }
 
-/// Sums over triangles. signed: fractions times the mean weight and times the mean of Schlick's part. sizes: the same
-/// with absolute fractions, then the absolute fractions themselves.
+/// Sums over triangles. signed: fractions times the mean weight and times the mean of Schlick's part. sizes: both sums
+/// with absolute fractions, then the sum of the absolute fractions.
 struct NormalsSum {
     signed: vec2<f32>,
     sizes: vec3<f32>,
@@ -64,9 +66,9 @@ fn normals_spoke(tip: NormalsTip, corner: NormalsCorner) -> vec3<f32> {
     return normals_angle(tip.c, corner.c) * cross(tip.c, corner.c);
 }
 
-/// Adds the triangle between the tip and the image of an edge; flux is the integral of c x dc around it. Its fraction
-/// of the visible normals is multiplied by a mean weight. The weight starts from that of the triangle's mean normal.
-/// normals_network corrects it by the weights at the outer corners and at the tip, and by the fraction.
+/// Adds the triangle between the tip and the image of an edge. flux is the integral of c x dc around the triangle. The
+/// triangle's fraction of the visible normals is multiplied by a mean weight. normals_network corrects the weight of
+/// the triangle's mean normal, from the weights at the outer corners and at the tip, and from the fraction.
 fn normals_triangle(
     view: NormalsView,
     tip: NormalsTip,
@@ -78,7 +80,7 @@ fn normals_triangle(
     let projected = dot(flux, view.stretched);
     let part = projected * tip.side;
     let size = abs(part);
-    // A triangle with a negative fraction is turned around.
+    // Reverse a triangle with a negative fraction.
     let c = flux * (select(1.0, -1.0, projected < 0.0) * normals_per_length(flux));
     let at_mean = normals_weight(view, c);
     let rises = vec2(normals_rise(view, begin.w), normals_rise(view, end.w));
@@ -93,18 +95,18 @@ fn normals_triangle(
     return NormalsSum(sum.signed + part * means, sum.sizes + size * vec3(means, 1.0));
 }
 
-/// The light of all triangles. Overlapping triangles cancel in the signed sum. The mean over all sizes bounds it from
-/// below.
+/// The reflected light of all triangles. Overlapping triangles cancel in the signed sum. The lower bound is half of
+/// tip.part times the means over the triangles, weighted by their absolute fractions.
 fn normals_total(tip: NormalsTip, sum: NormalsSum, is_lit: bool) -> vec2<f32> {
     let both = max(sum.signed, sum.sizes.xy * (0.5 * tip.part / max(sum.sizes.z, 1e-30)));
     let energy = min(both.x, tip.part);
     return select(vec2(0.0), vec2(energy, clamp(both.y, 0.0, energy)), is_lit);
 }
 
-/// Reflected light of a rectangle of radiance one. x: for a Fresnel factor of one. y: weighed by Schlick's (1 - wo .
-/// h)^5.
+/// The reflected light of a rectangle of radiance one: for a Fresnel factor of one (x), and weighted by Schlick's
+/// (1 - wo . h)^5 (y).
 fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided: bool) -> vec2<f32> {
-    // Turn both sides so that they rise. A corner below the surface slides up along its side.
+    // Orient both sides so that they rise. A corner below the surface slides up along its side.
     let falls = select(vec2(0.0), vec2(1.0), vec2(corners[1].z, corners[3].z) < corners[0].zz);
     let along = corners[1] - corners[0];
     let across = corners[3] - corners[0];
@@ -119,7 +121,7 @@ fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided:
     let slide = -1.0 / max(vec2(x.z, y.z), vec2(1e-15));
     let right_up = right + saturate(right.z * slide.y) * y;
     let left_up = left + saturate(left.z * slide.x) * x;
-    // a and b are the ends of the lowest side after the cut, or a single point.
+    // a and b are the ends of the lowest side after clipping. They are equal if the surface cuts nothing off.
     let a = normals_corner(view, select(low + saturate(low.z * slide.y) * y, left_up, left.z <= 0.0));
     let b = normals_corner(view, select(low + saturate(low.z * slide.x) * x, right_up, right.z <= 0.0));
     let c = normals_corner(view, right_up);
@@ -145,7 +147,7 @@ fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided:
     return normals_total(tip, sum, two_sided || (tip.side > 0.0) == (falls.x == falls.y));
 }
 
-/// Reflected light of a convex polygon of 3 to 8 vertices, as for normals_rectangle.
+/// The reflected light of a convex polygon with 3 to 8 vertices, as in normals_rectangle.
 fn normals_polygon(view: NormalsView, vertices: ptr<function, array<vec3<f32>, 8>>, count: u32, two_sided: bool) -> vec2<f32> {
     let number = clamp(count, 3u, 8u);
     var a = (*vertices)[number - 1u];

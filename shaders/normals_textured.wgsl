@@ -1,16 +1,15 @@
-/// Reflected light of a light with a picture: the two parts as from normals_rectangle, and the mean colour of the
-/// picture.
+/// The reflection of a light with a picture: the two parts as in normals_rectangle, and the mean colour of the picture.
 struct NormalsTextured {
     parts: vec2<f32>,
     colour: vec3<f32>,
 }
 
-/// The height of a point above the plane that ends the lobe: the surface.
+/// The height of a point above the plane that bounds the lobe, which is the surface.
 fn normals_height(view: NormalsView, p: vec3<f32>) -> f32 {
     return p.z;
 }
 
-/// The lobe on the light's plane divided by a bump with quadratic form Q, up to a factor.
+/// The lobe on the light's plane, divided by a bump with quadratic form Q, up to a factor.
 fn normals_share(view: NormalsView, p: vec3<f32>, quadratic: f32) -> f32 {
     let r = sqrt(dot(p, p));
     let c = view.image * r + p * vec3(view.per_alpha, 1.0);
@@ -22,8 +21,8 @@ fn normals_share(view: NormalsView, p: vec3<f32>, quadratic: f32) -> f32 {
     return fall * fall * (z + 1e-6 * shadowed) / max(r * shadowed, 1e-30);
 }
 
-/// The bump closest to the lobe. It expands q = |c|^2 sqrt(r) / (r + wo . P), which is nearly quadratic on the light's
-/// plane, at the point that the normal A c reflects.
+/// The bump closest to the lobe. On the light's plane, q = |c|^2 sqrt(r) / (r + wo . P) is nearly quadratic. The bump
+/// is the expansion of q around the point of the light that the mean normal A c reflects to the viewer.
 fn normals_bump(view: NormalsView, frame: NormalsFrame, flux: vec3<f32>) -> NormalsBump {
     let h = vec3(view.alpha * flux.xy, flux.z);
     let wi = 2.0 * dot(view.wo, h) * h - dot(h, h) * view.wo;

@@ -5,11 +5,12 @@ struct NormalsView {
     wo: vec3<f32>,
     image: vec3<f32>, // A^-1 wo
     stretched: vec3<f32>, // A wo
-    length: f32, // of A wo
-    rise: f32, // of wo
+    length: f32, // length of A wo
+    rise: f32, // rise of wo
 }
 
-/// The view for all lights at a point. alpha is in (0, 1]; wo is of unit length in the tangent frame, normal +z.
+/// Computes the view for all lights at a point. alpha is in (0, 1]. wo is a unit vector in the tangent frame,
+/// normal +z.
 fn normals_view(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> NormalsView {
     let alpha = max(vec2(alpha_x, alpha_y), vec2(1e-5));
     let stretched = vec3(alpha * wo.xy, wo.z);
@@ -27,7 +28,7 @@ fn normals_rise(view: NormalsView, w: vec3<f32>) -> f32 {
     return max(w.z, 0.0) * normals_per_length(vec3(view.alpha * w.xy, w.z));
 }
 
-/// Smith's G2 / G1 from the rise of the light direction: the part that is not shadowed.
+/// Smith's G2 / G1 from the rise of the light direction: the fraction that is not shadowed.
 fn normals_weight_of(view: NormalsView, rise: f32) -> f32 {
     return (1.0 + view.rise) * rise / (rise + view.rise);
 }

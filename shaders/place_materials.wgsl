@@ -1,11 +1,11 @@
-// The place of entries in layout materials: z is the number of the material. Needs ltc_quadrant.wgsl and
+// Finds the place of entries in layout materials: z is the number of the material. Needs ltc_quadrant.wgsl and
 // ltc_lookup.wgsl.
 
 /// The largest number of materials in a table.
 const LTC_MOST_MATERIALS: u32 = 256u;
 
-/// Alpha (the larger roughness) and ratio of a material. They are stored after the terms, at the first and second
-/// theta.
+/// Alpha (the larger roughness) and ratio of a material. The table stores them after the terms, at the first and the
+/// second theta.
 fn ltc_material(material: u32) -> vec2<f32> {
     return vec2(ltc_fetch(vec3(0u, 0u, material)).terms.w, ltc_fetch(vec3(0u, 1u, material)).terms.w);
 }
@@ -23,7 +23,7 @@ fn ltc_place_material(material: u32, wo: vec3<f32>) -> LtcPlace {
     return place;
 }
 
-/// The place of the material nearest in (sqrt(alpha), ratio).
+/// The place of the material that is nearest in (sqrt(alpha), ratio).
 fn ltc_place_materials(alpha: f32, ratio: f32, wo: vec3<f32>) -> LtcPlace {
     var nearest = 0u;
     var least = 1e30;
@@ -42,14 +42,14 @@ fn ltc_place_materials(alpha: f32, ratio: f32, wo: vec3<f32>) -> LtcPlace {
     return ltc_place_material(nearest, wo);
 }
 
-/// The frame and the place of a material and a view. The larger roughness is along x.
-fn ltc_seen_material(material: u32, wo: vec3<f32>) -> LtcSeen {
+/// Finds the frame and the place of a material and a view. The larger roughness is along x.
+fn ltc_view_material(material: u32, wo: vec3<f32>) -> LtcView {
     let pair = ltc_material(material);
     let fold = ltc_fold(pair.x, pair.x * pair.y, wo);
-    return LtcSeen(fold, ltc_place_material(material, fold.wo));
+    return LtcView(fold, ltc_place_material(material, fold.wo));
 }
 
-/// The lobe of the table for a material and a view direction. The larger roughness is along x; wo as in ltc_fold.
+/// The lobe of the table for a material and a view direction. The larger roughness is along x. wo is as in ltc_fold.
 fn ltc_lookup_material(material: u32, wo: vec3<f32>) -> LtcLobe {
-    return ltc_lobe_at(ltc_seen_material(material, wo), 0u);
+    return ltc_lobe_at(ltc_view_material(material, wo), 0u);
 }

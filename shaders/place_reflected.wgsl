@@ -1,7 +1,7 @@
 // The nodes of layout reflected. Needs ltc_quadrant.wgsl and ltc_lookup.wgsl.
 
-/// The place of a configuration among the nodes. They are evenly spaced in u: alpha = u^1.6, ratio = u^1.3,
-/// theta = (1 - (1 - u)^2) 0.9999 pi/2 and phi = u. Weights are linear in alpha, ratio, theta and phi.
+/// The place of a configuration among the nodes. Nodes are evenly spaced in u, where alpha = u^1.6, ratio = u^1.3,
+/// phi = u and theta = (1 - (1 - u)^2) 0.9999 pi/2. Weights are linear in alpha, ratio, theta and phi.
 fn ltc_place_reflected(alpha: f32, ratio: f32, wo: vec3<f32>) -> LtcPlace {
     let angles = ltc_quadrant(vec2(length(wo.xy), wo.y), vec2(wo.z, wo.x));
     let theta = 0.63668344 * angles.x;

@@ -1,7 +1,7 @@
-// The prefilter of a picture on a rectangle light, for pictures that change. Several passes make a pyramid of levels;
-// each function computes one texel that a pass writes. Every result is linear in the picture.
+// Prefilters the picture of a rectangle light, for pictures that change. Several passes make a pyramid of levels. Each
+// function computes one texel that a pass writes. Every result is linear in the picture.
 
-/// The input of a pass: a level of the chain of halved pictures, or the picture.
+/// The input of a pass: the picture, or a level of the chain of halved pictures.
 @group(0) @binding(0) var prefilter_source: texture_2d<f32>;
 /// The next coarser level of the pyramid.
 @group(0) @binding(1) var prefilter_above: texture_2d<f32>;
@@ -20,14 +20,15 @@ fn prefilter_levels(picture: vec2<u32>) -> u32 {
     return levels;
 }
 
-/// The weight of the tent filter at an offset from the middle of a coarse texel, which is `ratio` fine texels long.
+/// The weight of the tent filter at an offset from the middle of a coarse texel. A coarse texel is `ratio` fine texels
+/// long.
 fn prefilter_tent(offset: f32, ratio: f32, coarse: u32) -> f32 {
-    // One coarse texel is the mean of the level.
+    // A single coarse texel is the mean of the level.
     return select(max(1.0 - abs(offset) / ratio, 0.0), 1.0, coarse == 1u);
 }
 
-/// A texel of the next level of the chain, which has `coarse` texels, from the level before, which has `fine`. The
-/// filter is [1 3 3 1] / 8 along both axes where sizes are even.
+/// A texel of the next level of the chain, from the level before it. The next level has `coarse` texels, the level
+/// before it has `fine`. The filter is [1 3 3 1] / 8 along an axis with an even size.
 fn prefilter_halved(texel: vec2<u32>, fine: vec2<u32>, coarse: vec2<u32>) -> vec3<f32> {
     let ratio = vec2<f32>(fine) / vec2<f32>(coarse);
     let middle = (vec2<f32>(texel) + vec2(0.5)) * ratio - vec2(0.5);
@@ -65,7 +66,7 @@ fn prefilter_mean(height: u32) -> vec3<f32> {
 }
 
 /// The weight of each neighbour in the blur of a level, along an axis with `size` texels in the picture. It is a
-/// quarter where sizes are even, and smaller where halving has already blurred more.
+/// quarter if sizes are even, and smaller if halving has already blurred more.
 fn prefilter_beside(size: u32, level: u32) -> f32 {
     var here = size;
     var length = 1.0;
@@ -100,8 +101,8 @@ fn prefilter_up(texel: vec2<u32>, size: vec2<u32>, above: vec2<u32>) -> vec3<f32
     return mix(top, bottom, part.y);
 }
 
-/// A texel of pyramid level `level`, except the last, from the same level of the chain and the next coarser pyramid
-/// level.
+/// A texel of level `level` of the pyramid, from the same level of the chain and the next coarser level of the pyramid.
+/// Domain: all levels except the last.
 fn prefilter_level(texel: vec2<u32>, picture: vec2<u32>, level: u32) -> vec3<f32> {
     let size = prefilter_size(picture, level);
     let beside = vec2(prefilter_beside(picture.x, level), prefilter_beside(picture.y, level));

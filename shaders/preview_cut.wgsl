@@ -1,4 +1,4 @@
-// The preview's light by a table whose lobes end at the surface. Needs ltc_cut.wgsl, ltc_cut_shapes.wgsl,
+// The preview's shading by a table whose lobes end at the surface. Needs ltc_cut.wgsl, ltc_cut_shapes.wgsl,
 // ggx_reference.wgsl.
 
 /// The fraction of the lobe above the surface that the light covers.

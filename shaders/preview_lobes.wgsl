@@ -1,7 +1,7 @@
-// The preview's lobes over the sphere of directions. Needs sphere.wgsl and its files.
+// The preview's lobes over the sphere of directions. Needs sphere.wgsl and the files that it needs.
 
-/// The direction of a pixel on the sphere of directions, seen from far away (xyz). w: 0 outside the sphere, else 1. The
-/// rim is not smoothed, because pixels store densities.
+/// xyz: the direction of a pixel on the sphere of directions, seen from far away. w: 0 outside the sphere, else 1. The
+/// rim is not antialiased, because pixels store densities.
 fn direction_of(place: vec3<f32>) -> vec4<f32> {
     let flat = place.xy * 1.05;
     let height2 = 1.0 - dot(flat, flat);
@@ -10,7 +10,7 @@ fn direction_of(place: vec3<f32>) -> vec4<f32> {
     return vec4(wi, select(0.0, 1.0, height2 > 0.0));
 }
 
-/// The values of pixels outside the sphere, and of directions below the horizon without density.
+/// The value of pixels outside the sphere, and the value of directions below the horizon that have density zero.
 const BESIDE: f32 = -1.0;
 const BELOW: f32 = -0.5;
 
@@ -25,7 +25,8 @@ fn lobe_by_table(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
     var density = BESIDE;
     if (wi.w > 0.0) {
         let lobe = ltc_lookup(scene.materials[0].x, scene.materials[0].y, scene.lobe_wo.xyz);
-        // c^3 z |det M^-1| / (pi |M^-1 wi|^4). The inverse has a factor f; f^4 cancels, with f^3 from the determinant.
+        // The density is c.z |det M^-1| / (pi |c|^4), where c = M^-1 wi. The computed inverse has a factor f, which
+        // cancels: the numerator has f^3 from the determinant and f from c, and the denominator has f^4.
         let inverse = ltc_inverse(lobe.m);
         let c = inverse.m * wi.xyz;
         let length2 = dot(c, c);

@@ -1,7 +1,7 @@
-// The preview's light with a picture: by a table, by model normals, and as the camera sees it directly. Needs the texts
-// of pictures on lights, light_picture.wgsl and sphere.wgsl.
+// The preview's light with a picture: shading by a table, shading by model normals, and the light as the camera sees
+// it. Needs ltc_textured.wgsl, normals_textured.wgsl, textured.wgsl, light_picture.wgsl and sphere.wgsl.
 
-/// The light is drawn with RAYS x RAYS rays a pixel.
+/// The camera traces RAYS x RAYS rays per pixel to the light.
 const RAYS: u32 = 4u;
 
 /// The corners of the light relative to the shaded point, in its tangent frame.
@@ -15,11 +15,11 @@ fn corners_of(at: Shaded) -> array<vec3<f32>, 4> {
     );
 }
 
-/// The mean colour of the picture in a matrix's lobe, times the covered part.
+/// The covered part of the lobe of matrix m, times the mean colour of the picture in this lobe.
 fn covered_picture(m: mat3x3<f32>, at: Shaded) -> vec3<f32> {
     let inverse = ltc_inverse(m);
     let textured = ltc_textured_rectangle(inverse, corners_of(at), light.options.y == 1u, 0u, light.radiance.w);
-        // Weights overflow for matrices that no fit produces.
+        // Weights may overflow, but only for matrices that no fit produces.
     let colour = select(vec3(0.0), textured.colour, textured.colour < vec3(1e30));
     if (light_is_cut) {
         return colour * covered_above(inverse, at);
@@ -75,12 +75,12 @@ fn picture_by_table(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invo
         return;
     }
     let place = place_of(pixel);
-    let seen = see(place);
+    let hit = hit_at(place);
     var shaded = vec3(0.0);
-    if (seen.coverage > 0.0) {
-        shaded = shade_picture_by_table(seen.at);
+    if (hit.coverage > 0.0) {
+        shaded = shade_picture_by_table(hit.at);
     }
-    write(pixel, composed(place, seen, shaded, 1.0));
+    write(pixel, composed(place, hit, shaded, 1.0));
 }
 
 @compute @workgroup_size(8, 8)
@@ -90,26 +90,26 @@ fn picture_by_normals(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_in
         return;
     }
     let place = place_of(pixel);
-    let seen = see(place);
+    let hit = hit_at(place);
     var shaded = vec3(0.0);
-    if (seen.coverage > 0.0) {
-        shaded = shade_picture_by_normals(seen.at);
+    if (hit.coverage > 0.0) {
+        shaded = shade_picture_by_normals(hit.at);
     }
-    write(pixel, composed(place, seen, shaded, 1.0));
+    write(pixel, composed(place, hit, shaded, 1.0));
 }
 
-/// A share of a pixel's radiance: the visible surface, over the background and behind the light.
-fn composed(place: vec3<f32>, seen: Seen, shaded: vec3<f32>, share: f32) -> vec3<f32> {
-    let radiance = mix(share * scene.background.xyz, shaded, seen.coverage);
+/// A share of a pixel's radiance: the background, then the surface in front of it, then the visible part of the light.
+fn composed(place: vec3<f32>, hit: Hit, shaded: vec3<f32>, share: f32) -> vec3<f32> {
+    let radiance = mix(share * scene.background.xyz, shaded, hit.coverage);
     if (light_has_picture) {
-        let seen_light = light_in(place, select(1e30, seen.distance, seen.coverage > 0.0));
-        return (1.0 - seen_light.w) * radiance + share * seen_light.xyz;
+        let light_hit = light_in(place, select(1e30, hit.distance, hit.coverage > 0.0));
+        return (1.0 - light_hit.w) * radiance + share * light_hit.xyz;
     }
     return radiance;
 }
 
-/// The light as the camera sees it: radiance times coverage (xyz), coverage (w), where it is nearer than `behind`. Its
-/// back is black.
+/// The light as the camera sees it: radiance times coverage (xyz), and coverage (w). Only parts nearer than `behind`
+/// count. The back of the light is black.
 fn light_in(place: vec3<f32>, behind: f32) -> vec4<f32> {
     let pixel = 2.0 / f32(scene.options.x / scene.options.y);
     var sum = vec4(0.0);

@@ -1,5 +1,5 @@
-// Spheres, tubes and lines in the preview: sampling for the reference, and polygons that face the shaded point, for
-// models that light by polygons only. Needs ltc_math.wgsl, ltc_light.wgsl and ggx_reference.wgsl.
+// Spheres, tubes and lines in the preview: sampling for the reference, and polygons that face the shaded point. Light
+// models that support only polygons use these polygons. Needs ltc_math.wgsl, ltc_light.wgsl and ggx_reference.wgsl.
 //
 // Struct Light stores the ends of these lights in centre.xyz and half_axes[0].xyz, and the radius or width in centre.w.
 // Both ends of a sphere are equal.
@@ -11,7 +11,7 @@ fn solid_basis(axis: vec3<f32>) -> mat2x3<f32> {
     return mat2x3(x, cross(axis, x));
 }
 
-/// The point of the segment between the ends that is nearest to the shaded point, relative to it.
+/// The point nearest to the shaded point on the segment between both ends, relative to the shaded point.
 fn solid_nearest(position: vec3<f32>) -> vec3<f32> {
     let start = light.centre.xyz - position;
     let along = light.half_axes[0].xyz - light.centre.xyz;
@@ -25,7 +25,7 @@ fn tube_hit(position: vec3<f32>, wi: vec3<f32>) -> vec2<f32> {
     let along = light.half_axes[0].xyz - light.centre.xyz;
     let from_start = position - light.centre.xyz;
     var found = vec2(-1.0, 0.0);
-    // The spheres at both ends. The nearest hit of all parts counts.
+    // Intersect the spheres at both ends. The nearest hit of all parts counts.
     for (var i = 0u; i < 2u; i++) {
         let from_end = select(from_start, from_start - along, i == 1u);
         let away = -dot(wi, from_end);
@@ -36,7 +36,7 @@ fn tube_hit(position: vec3<f32>, wi: vec3<f32>) -> vec2<f32> {
             found = vec2(distance, sqrt(height2) / radius);
         }
     }
-    // The cylinder between them, by the distance of the ray and the axis; this keeps the digits of thin tubes.
+    // Intersect the cylinder between them. The distance between the ray and the axis keeps the digits of thin tubes.
     let normal = cross(wi, along);
     let sine2 = dot(normal, normal);
     let apart = dot(from_start, normal);
@@ -54,14 +54,14 @@ fn tube_hit(position: vec3<f32>, wi: vec3<f32>) -> vec2<f32> {
     return found;
 }
 
-/// The area of a tube (x), and the share of its cylinder (y).
+/// The area of a tube (x), and the cylinder's share of this area (y).
 fn tube_area(along: vec3<f32>, radius: f32) -> vec2<f32> {
     let distance = sqrt(dot(along, along));
     let area = 6.2831853 * radius * (distance + 2.0 * radius);
     return vec2(area, distance / (distance + 2.0 * radius));
 }
 
-/// The density of solid_sample, as light_pdf. Zero if the shaded point is inside the light. A line is too thin to be
+/// The density of solid_sample, as in light_pdf. Zero if the shaded point is inside the light. A line is too thin to
 /// hit.
 fn solid_pdf(position: vec3<f32>, wi: vec3<f32>) -> f32 {
     if (light_shape == LIGHT_LINE) {
@@ -84,13 +84,13 @@ fn solid_pdf(position: vec3<f32>, wi: vec3<f32>) -> f32 {
     return select(-1.0, density, hit.x > 0.0);
 }
 
-/// One minus the cosine of a cap, from the square of its sine.
+/// One minus the cosine of a cap's half angle, from the square of its sine.
 fn sphere_cap(sine2: f32) -> f32 {
     return sine2 / (1.0 + sqrt(max(1.0 - sine2, 0.0)));
 }
 
-/// A direction towards the light and its density, as light_sample: the cone of a sphere, the surface of a tube, the
-/// angle along a line.
+/// Samples a direction towards the light, with its density, as in light_sample. It samples the cone of a sphere, the
+/// surface of a tube or the angle along a line.
 fn solid_sample(position: vec3<f32>, u: vec2<f32>) -> vec4<f32> {
     let start = light.centre.xyz - position;
     let end = light.half_axes[0].xyz - position;
@@ -103,7 +103,8 @@ fn solid_sample(position: vec3<f32>, u: vec2<f32>) -> vec4<f32> {
         let towards = normalize(start);
         let turn = ltc_sin_cos(u.x * angle * 0.15915494);
         let direction = towards * turn.y + cross(normal / max(area, 1e-18), towards) * turn.x;
-        // The distance along the direction is the distance of the line divided by the cosine at its nearest point.
+        // The distance to the line along `direction` is the distance to the line's nearest point, divided by the cosine
+        // of the angle between `direction` and `nearest`.
         let own = area / sqrt(dot(along, along));
         let nearest = normalize(cross(along, normal));
         let distance = own / max(dot(direction, nearest), 1e-18);
@@ -139,9 +140,9 @@ fn solid_sample(position: vec3<f32>, u: vec2<f32>) -> vec4<f32> {
     return vec4(direction, select(0.0, away2 / (area.x * max(facing, 1e-6)), facing > 0.0));
 }
 
-/// The polygon that replaces the light in models of polygons, relative to the shaded point. For a line, the four
-/// corners of its strip; otherwise an octagon with the area of the outline. Seen from inside the light, it is the whole
-/// sky.
+/// The polygon that replaces the light in models that support only polygons, relative to the shaded point. For a line,
+/// it has the four corners of a strip. Otherwise, it is an octagon with the area of the light's outline. If the shaded
+/// point is inside the light, the polygon covers the whole sky.
 fn solid_outline(position: vec3<f32>, up: vec3<f32>) -> array<vec3<f32>, 8> {
     let start = light.centre.xyz - position;
     let end = light.half_axes[0].xyz - position;
@@ -180,7 +181,7 @@ fn solid_outline(position: vec3<f32>, up: vec3<f32>) -> array<vec3<f32>, 8> {
 }
 
 /// The outline of one end of a tube, between the two planes that touch both spheres: two points of the sphere's
-/// outline, and between them two points far enough out to keep the area.
+/// outline, and between them two points moved outwards to keep the area.
 fn tube_end(end: vec3<f32>, outwards: vec3<f32>, beside: vec3<f32>, sideways: vec3<f32>, size: f32) -> array<vec3<f32>, 4> {
     let sine2 = size * size / dot(end, end);
     let centre = end * (1.0 - sine2);

@@ -16,30 +16,32 @@ struct Scene {
     lobe_wo: vec4<f32>,
     /// alpha_x, alpha_y, cosine and sine of the tangent frame's rotation. alpha_x < 0: the cell is empty.
     materials: array<vec4<f32>, 4>,
-    /// x: pixels a side. y: cells a side. z: surface, see SURFACE_. w: samples.
+    /// x: pixels per side. y: cells per side. z: surface, see SURFACE_*. w: samples.
     options: vec4<u32>,
-    /// x: tile of the first workgroup. y, z: first sample and number of samples of this pass; passes add up.
+    /// x: tile of the first workgroup. y, z: first sample and number of samples of this pass. The samples of all passes
+    /// add up.
     output: vec4<u32>,
 }
 
 @group(1) @binding(1) var<uniform> scene: Scene;
 /// The picture: red, green and blue of each pixel.
 @group(1) @binding(2) var<storage, read_write> pixels: array<f32>;
-/// The visible tiles of 8 x 8 pixels, one per workgroup: the upper left pixel, x in the lower half.
+/// The visible tiles of 8 x 8 pixels, one per workgroup: the upper left pixel, with x in the lower and y in the upper
+/// 16 bits.
 @group(1) @binding(3) var<storage, read> tiles: array<u32>;
 
-/// The rule of model normals; the kind of Gaussian, and whether a table has it; whether models without a table light a
-/// polygon other than a rectangle. These are constants of the pipeline, because software drivers run both sides of a
-/// branch.
+/// The rule of model normals; the kind of Gaussian, and whether a table stores the Gaussians. All overrides here are
+/// pipeline constants, because software drivers run both sides of a branch.
 override normals_rule: u32 = RULE_BALANCED;
 override gaussian: u32 = 0u;
 override gaussian_is_fitted: bool = false;
-/// The use of a table's second lobe, see SECOND_.
+/// The use of a table's second lobe, see SECOND_*.
 override second_lobe: u32 = SECOND_NONE;
+/// Whether the light, for models without a table, is a polygon other than a rectangle.
 override light_is_polygon: bool = true;
 /// Whether lobes end at the surface. Otherwise, an LTC lets light through from below.
 override light_is_cut: bool = false;
-/// Whether to give back the energy that shadowing loses.
+/// Whether to restore the energy lost to shadowing.
 override is_compensated: bool = false;
 
 const RULE_BALANCED: u32 = 0u;
@@ -60,7 +62,7 @@ const POLE: f32 = 1e-4;
 /// The smallest height from which the floor is visible.
 const LOWEST_EYE: f32 = 1e-3;
 
-struct Seen {
+struct Hit {
     at: Shaded,
     /// The fraction of the pixel that the surface covers.
     coverage: f32,
@@ -68,7 +70,7 @@ struct Seen {
     distance: f32,
 }
 
-/// The pixel of an invocation. At the edge of the picture it may lie outside.
+/// The pixel of an invocation. In tiles at the edge, it may be outside the picture.
 fn pixel_of(group: vec3<u32>, local: vec3<u32>) -> vec2<u32> {
     let corner = tiles[scene.output.x + group.x];
     return vec2(corner & 0xffffu, corner >> 16u) + local.xy;
@@ -83,10 +85,10 @@ fn place_of(pixel: vec2<u32>) -> vec3<f32> {
 }
 
 /// The visible surface at a place: the unit sphere around the origin, or the floor y = 0.
-fn see(place: vec3<f32>) -> Seen {
+fn hit_at(place: vec3<f32>) -> Hit {
     let ray = normalize(scene.forward.xyz + scene.right.xyz * place.x + scene.up.xyz * place.y);
     let eye = scene.eye.xyz;
-    var seen: Seen;
+    var hit: Hit;
     var position: vec3<f32>;
     var normal: vec3<f32>;
     var along: vec3<f32>;
@@ -94,38 +96,38 @@ fn see(place: vec3<f32>) -> Seen {
         let t = -eye.y / min(ray.y, -1e-6);
         position = eye + t * ray;
         position.y = 0.0;
-        seen.distance = t;
+        hit.distance = t;
         normal = vec3(0.0, 1.0, 0.0);
         along = vec3(1.0, 0.0, 0.0);
         let fades = 1.0 - t / scene.background.w;
-        seen.coverage = select(0.0, clamp(2.0 * fades, 0.0, 1.0), ray.y < -1e-6 && eye.y > LOWEST_EYE);
+        hit.coverage = select(0.0, clamp(2.0 * fades, 0.0, 1.0), ray.y < -1e-6 && eye.y > LOWEST_EYE);
     } else {
-        // A ray that misses the sphere takes its nearest point. Pixels at the rim are partly covered.
+        // A ray that misses the sphere takes the nearest point of the sphere. Pixels at the rim are partly covered.
         let closest = -dot(eye, ray);
         let nearest = eye + closest * ray;
         let distance2 = dot(nearest, nearest);
         let rim = (1.0 - sqrt(distance2)) / (scene.eye.w * closest);
-        seen.coverage = select(0.0, clamp(rim + 0.5, 0.0, 1.0), closest > 0.0);
+        hit.coverage = select(0.0, clamp(rim + 0.5, 0.0, 1.0), closest > 0.0);
         let depth = sqrt(max(1.0 - distance2, 0.0));
         position = normalize(nearest - depth * ray);
-        seen.distance = closest - depth;
+        hit.distance = closest - depth;
         normal = position;
         let circle = vec3(normal.z, 0.0, -normal.x);
         let length2 = dot(circle, circle);
         along = select(vec3(1.0, 0.0, 0.0), circle / sqrt(max(length2, 1e-12)), length2 > POLE * POLE);
     }
     let material = scene.materials[u32(place.z)];
-    seen.coverage = select(seen.coverage, 0.0, material.x < 0.0);
+    hit.coverage = select(hit.coverage, 0.0, material.x < 0.0);
     let across = cross(normal, along);
-    seen.at.position = position;
-    seen.at.x = material.z * along + material.w * across;
-    seen.at.y = material.z * across - material.w * along;
-    seen.at.z = normal;
+    hit.at.position = position;
+    hit.at.x = material.z * along + material.w * across;
+    hit.at.y = material.z * across - material.w * along;
+    hit.at.z = normal;
     let view = normalize(eye - position);
-    let wo = vec3(dot(view, seen.at.x), dot(view, seen.at.y), max(dot(view, normal), LOWEST_VIEW));
-    seen.at.wo = normalize(wo);
-    seen.at.alpha = max(material.xy, vec2(LTC_LEAST_ALPHA));
-    return seen;
+    let wo = vec3(dot(view, hit.at.x), dot(view, hit.at.y), max(dot(view, normal), LOWEST_VIEW));
+    hit.at.wo = normalize(wo);
+    hit.at.alpha = max(material.xy, vec2(LTC_LEAST_ALPHA));
+    return hit;
 }
 
 /// Radiance towards the eye, by the table.
@@ -143,13 +145,13 @@ fn shade_by_table(at: Shaded) -> vec3<f32> {
     return reflected(parts * vec2(covered_by(lobes.first.m, at), covered_by(lobes.second, at)), parts.x);
 }
 
-/// The part of a matrix's lobe that the light covers.
+/// The part of the lobe of matrix m that the light covers.
 fn covered_by(m: mat3x3<f32>, at: Shaded) -> f32 {
     let inverse = ltc_inverse(m);
     if (light_is_cut) {
         return covered_above(inverse, at);
     }
-    // A single matrix goes from world space to cosine space.
+    // A single matrix transforms from world space to cosine space.
     let to_cosine = inverse.m * transpose(mat3x3(at.x, at.y, at.z));
     if (light_shape != LIGHT_POLYGON) {
         return shape_covered(LtcInverse(to_cosine, inverse.side), at.position);
@@ -185,7 +187,7 @@ fn shape_covered(inverse: LtcInverse, position: vec3<f32>) -> f32 {
     return ltc_tube(inverse, start, end, light.centre.w);
 }
 
-/// The vertices of the light for models of polygons, relative to the shaded point, in its tangent frame.
+/// The vertices of the light for models that support only polygons, relative to the shaded point, in its tangent frame.
 fn outline_of(at: Shaded) -> array<vec3<f32>, 8> {
     let to_local = transpose(mat3x3(at.x, at.y, at.z));
     var vertices: array<vec3<f32>, 8>;
@@ -196,7 +198,7 @@ fn outline_of(at: Shaded) -> array<vec3<f32>, 8> {
         }
         return vertices;
     }
-    // Written one by one: software drivers are slow at indices that are not constant.
+    // Written without a loop, because software drivers are slow at indices that are not constant.
     vertices[0] = to_local * (light.vertices[0].xyz - at.position);
     vertices[1] = to_local * (light.vertices[1].xyz - at.position);
     vertices[2] = to_local * (light.vertices[2].xyz - at.position);
@@ -254,7 +256,7 @@ fn shade_by_gaussian(at: Shaded) -> vec3<f32> {
     return reflected(gaussians_outline_finish(view, outline, light.options.y == 1u), albedo_of(at));
 }
 
-/// The albedo of GGX for a Fresnel factor of one; 1 where it is not used.
+/// The albedo of GGX for a Fresnel factor of one; 1 if it is not used.
 fn albedo_of(at: Shaded) -> f32 {
     if (is_compensated) {
         return ltc_albedo(at.alpha.x, at.alpha.y, at.wo);
@@ -291,12 +293,12 @@ fn surface_by_table(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invo
         return;
     }
     let place = place_of(pixel);
-    let seen = see(place);
+    let hit = hit_at(place);
     var shaded = vec3(0.0);
-    if (seen.coverage > 0.0) {
-        shaded = shade_by_table(seen.at);
+    if (hit.coverage > 0.0) {
+        shaded = shade_by_table(hit.at);
     }
-    write(pixel, composed(place, seen, shaded, 1.0));
+    write(pixel, composed(place, hit, shaded, 1.0));
 }
 
 @compute @workgroup_size(8, 8)
@@ -306,12 +308,12 @@ fn surface_by_normals(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_in
         return;
     }
     let place = place_of(pixel);
-    let seen = see(place);
+    let hit = hit_at(place);
     var shaded = vec3(0.0);
-    if (seen.coverage > 0.0) {
-        shaded = shade_by_normals(seen.at);
+    if (hit.coverage > 0.0) {
+        shaded = shade_by_normals(hit.at);
     }
-    write(pixel, composed(place, seen, shaded, 1.0));
+    write(pixel, composed(place, hit, shaded, 1.0));
 }
 
 @compute @workgroup_size(8, 8)
@@ -321,12 +323,12 @@ fn surface_by_gaussian(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_i
         return;
     }
     let place = place_of(pixel);
-    let seen = see(place);
+    let hit = hit_at(place);
     var shaded = vec3(0.0);
-    if (seen.coverage > 0.0) {
-        shaded = shade_by_gaussian(seen.at);
+    if (hit.coverage > 0.0) {
+        shaded = shade_by_gaussian(hit.at);
     }
-    write(pixel, composed(place, seen, shaded, 1.0));
+    write(pixel, composed(place, hit, shaded, 1.0));
 }
 
 @compute @workgroup_size(8, 8)
@@ -336,13 +338,13 @@ fn surface_by_reference(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_
         return;
     }
     let place = place_of(pixel);
-    let seen = see(place);
+    let hit = hit_at(place);
     let all = f32(scene.options.w);
     var shaded = vec3(0.0);
-    if (seen.coverage > 0.0) {
+    if (hit.coverage > 0.0) {
         let key = pixel.y * scene.options.x + pixel.x;
-        let parts = ggx_reference(seen.at, scene.output.y, scene.output.z, key);
-        shaded = reflected_colours(parts.all / all, parts.fresnel / all, albedo_of(seen.at));
+        let parts = ggx_reference(hit.at, scene.output.y, scene.output.z, key);
+        shaded = reflected_colours(parts.all / all, parts.fresnel / all, albedo_of(hit.at));
     }
-    write(pixel, composed(place, seen, shaded, f32(scene.output.z) / all));
+    write(pixel, composed(place, hit, shaded, f32(scene.output.z) / all));
 }

@@ -1,6 +1,6 @@
-// A table in a single 2D array, for renderers without 3D textures or without spare samplers. It has one layer for each
-// alpha: first all layers that ltc_table.wgsl calls a, then b, then terms. Within a part, second lobes follow first
-// lobes.
+// A table in a single 2D array, for renderers without 3D textures or without spare samplers. It has three parts with
+// one layer for each alpha: the texels that ltc_table.wgsl calls a, then b, then terms. Within a part, second lobes
+// follow first lobes.
 
 @group(0) @binding(1) var ltc_layers: texture_2d_array<f32>;
 @group(0) @binding(2) var ltc_sampler: sampler;
@@ -15,8 +15,8 @@ fn ltc_fetch(texel: vec3<u32>) -> LtcTexels {
     );
 }
 
-/// The sampler's mean of the entries around a place, in the layer `alpha` of each part. at runs from 0 to 1 across a
-/// layer.
+/// The entries around a place, interpolated by the sampler, in layer `alpha` of each part. `at` runs from 0 to 1 across
+/// a layer.
 fn ltc_sample_layers(at: vec2<f32>, alpha: u32) -> LtcTexels {
     let count = ltc_table.nodes.x + ltc_table.reading.z;
     return LtcTexels(
@@ -26,8 +26,8 @@ fn ltc_sample_layers(at: vec2<f32>, alpha: u32) -> LtcTexels {
     );
 }
 
-/// The mean between two layers, interpolated here. alpha counts nodes and starts half a node before the first node,
-/// whose layer is `layer`.
+/// Interpolates between two layers in the shader. alpha counts nodes, from half a node before the first node. `layer`
+/// is the layer of the first node.
 fn ltc_sample(at: vec2<f32>, alpha: f32, layer: u32) -> LtcTexels {
     let from_first = max(alpha - 0.5, 0.0);
     let lower = u32(from_first);

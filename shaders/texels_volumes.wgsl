@@ -10,8 +10,8 @@ fn ltc_fetch(texel: vec3<u32>) -> LtcTexels {
     return LtcTexels(textureLoad(ltc_matrix_a, texel, 0), textureLoad(ltc_matrix_b, texel, 0), textureLoad(ltc_terms, texel, 0));
 }
 
-/// The sampler's mean of the entries around a place. at runs from 0 to 1 across the textures. alpha counts nodes and
-/// starts half a node before the first node, whose layer is `layer`.
+/// The entries around a place, interpolated by the sampler. `at` runs from 0 to 1 across the textures. alpha counts
+/// nodes, from half a node before the first node. `layer` is the layer of the first node.
 fn ltc_sample(at: vec2<f32>, alpha: f32, layer: u32) -> LtcTexels {
     let place = vec3(at, (alpha + f32(layer)) * ltc_table.texel.x);
     return LtcTexels(

@@ -1,8 +1,8 @@
-/// The number of readings of a picture for each light: 1, 2, 4 or 6.
+/// The number of readings (texture samples) of a light's picture: 1, 2, 4 or 6.
 const TEXTURED_READINGS: u32 = 4u;
 
-/// The pictures of lights, one in each layer, with all levels of the prefilter. The sampler is linear between texels
-/// and levels, and clamps to the edge.
+/// The pictures of all lights, one per layer, with all prefiltered levels. The sampler is linear between texels and
+/// between levels, and clamps to the edge.
 @group(0) @binding(0) var textured_pictures: texture_2d_array<f32>;
 @group(0) @binding(1) var textured_picture_sampler: sampler;
 
@@ -14,8 +14,8 @@ struct TexturedFrame {
     size: vec2<f32>,
 }
 
-/// The bump (1 + Q)^-2 on a rectangle. Q is 1 at the distance sqrt(radii2.x) along the longer axis, sqrt(radii2.y)
-/// across it.
+/// The bump (1 + Q)^-2 on a rectangle. Q is 1 at the distance sqrt(radii2.x) along the longer axis, and at
+/// sqrt(radii2.y) across this axis.
 struct TexturedBump {
     middle: vec2<f32>,
     axis: vec2<f32>,
@@ -30,7 +30,7 @@ fn textured_frame(corners: array<vec3<f32>, 4>) -> TexturedFrame {
 }
 
 /// The smaller and the larger eigenvalue of a symmetric matrix given as xx, xy, yy, and the eigenvector of the smaller
-/// (zw).
+/// eigenvalue (zw).
 fn textured_eigen(m: vec3<f32>) -> vec4<f32> {
     let mean = 0.5 * (m.x + m.z);
     let apart = 0.5 * (m.x - m.z);
@@ -47,9 +47,9 @@ fn textured_quadratic(bump: TexturedBump, d: vec2<f32>) -> f32 {
     return q.x * q.x / bump.radii2.x + q.y * q.y / bump.radii2.y;
 }
 
-/// The place (xy) at which to read a lamp's profile for point p of the light, and the reading's squared radius over the
-/// profile's area (z). A profile is stored by the tangents of the direction to the shaded point, from -4 to 4. Its blur
-/// is at most that of a square of the light's area.
+/// The coordinates (xy) at which to read a lamp's profile for point p of the light. The squared radius of this reading,
+/// divided by the profile's area (z). The coordinates of a profile are the tangents of the direction to the
+/// shaded point, from -4 to 4. The blur is at most the blur of a square with the light's area.
 fn textured_profile(frame: TexturedFrame, p: vec2<f32>, radius2: f32) -> vec3<f32> {
     let area = frame.size.x * frame.size.y;
     let distance = abs(dot(frame.corner, cross(frame.x, frame.y)));
@@ -59,9 +59,9 @@ fn textured_profile(frame: TexturedFrame, p: vec2<f32>, radius2: f32) -> vec3<f3
     return vec3(0.5 + per_span * (foot - p), per_span * per_span * narrower);
 }
 
-/// The mean colour of a picture or of a lamp's profile under the lobe. Readings are along the longer axis of the bump,
-/// within the rectangle and above the end of the lobe. picture is the layer; base is log2(sqrt(width height)) - 1 of
-/// the first level.
+/// The mean colour of a picture or of a lamp's profile, weighted by the lobe. Readings are along the longer axis of the
+/// bump, within the rectangle and above the plane that bounds the lobe. picture is the layer. base is log2(sqrt(width
+/// height)) - 1 for the size of the first level.
 fn textured_colour(
     lobe: TexturedLobe,
     frame: TexturedFrame,
@@ -72,7 +72,7 @@ fn textured_colour(
 ) -> vec3<f32> {
     let unit = sqrt(max(bump.radii2.x - bump.radii2.y, 1e-12 * bump.radii2.x));
     let along = bump.axis * unit;
-    // height + t rise is linear along the axis; it must not be negative.
+    // height + t rise is the height along the axis. It must not be negative.
     let middle = frame.corner + bump.middle.x * frame.x + bump.middle.y * frame.y;
     let height = textured_height(lobe, middle);
     let rise = textured_height(lobe, along.x * frame.x + along.y * frame.y);

@@ -43,7 +43,7 @@
 //! ```
 //!
 //! [`fit()`] fits without a folder. [`Fit`] also sets the number of threads, reports progress and can be stopped. In a
-//! build script, [`cached`] with `OUT_DIR` as the folder fits once. All of them fail with [`Error`].
+//! build script, [`cached`] with `OUT_DIR` as the folder fits only once. They all return [`Error`] if they fail.
 //!
 //! # Light without a table
 //!
@@ -83,10 +83,10 @@
 //!
 //! # Crates
 //!
-//! Each module of this list is also a crate, such as `ltcforge-fit`. [`mod@fit`] is the core: equal arguments give
-//! equal bytes on every machine. [`mod@light`] has the models of light and the truth, [`files`] documents and
-//! containers, [`shaders`] the WGSL. The other crates build on them. Vectors and matrices in signatures come from
-//! [`glam`].
+//! Each module of the crate is also a separate crate, such as `ltcforge-fit`. [`mod@fit`] is the core: equal arguments
+//! give equal bytes on every machine. [`mod@light`] has the models of light and the truth, [`files`] has documents and
+//! containers, and [`shaders`] has the WGSL code. The other crates build on them. Vectors and matrices in signatures
+//! come from [`glam`].
 
 mod library;
 

@@ -1,4 +1,4 @@
-//! The `ltcforge` command. It alone handles signals and reads the environment.
+//! The `ltcforge` command. Only this file handles signals and reads the environment.
 
 use std::{
     env,
@@ -29,7 +29,7 @@ fn main() -> ExitCode {
                 let message = message.strip_prefix("error: ").unwrap_or(message);
                 return fail(&CommandFailure::new(Exit::Usage, message), true);
             }
-            // Clap's own way has colours.
+            // Clap prints errors with colours.
             if shown == text {
                 error.exit();
             }
@@ -50,8 +50,8 @@ fn main() -> ExitCode {
         Ok(runtime) => runtime,
         Err(error) => return fail(&CommandFailure::new(Exit::Failed, error.to_string()), json),
     };
-    let (tell, interrupt) = Interrupt::channel();
-    if let Err(error) = listen_to_signals(&runtime, tell, on_interrupt) {
+    let (sender, interrupt) = Interrupt::channel();
+    if let Err(error) = listen_to_signals(&runtime, sender, on_interrupt) {
         return fail(&CommandFailure::new(Exit::Failed, format!("signals: {error}")), json);
     }
     let mut context = Context {
@@ -66,16 +66,16 @@ fn main() -> ExitCode {
         Ok(exit) => exit.into(),
         Err(failure) => fail(&failure, json),
     };
-    // A request that was cut off may still be in a blocking call.
+    // An aborted request may still be in a blocking call.
     runtime.shutdown_background();
     exit
 }
 
-/// Starts this program anew in this process with an environment in which Mesa does not look for a display.
+/// Restarts this program in the same process, with an environment in which Mesa does not look for a display.
 ///
-/// Without an `XDG_RUNTIME_DIR` that is a full path, Mesa's layer for choosing devices has libwayland complain on
-/// standard error that it found none, since wgpu enables the surface extensions of every instance. `NODEVICE_SELECT`
-/// turns the layer off; a process may not change its own environment without unsafe code.
+/// wgpu enables the surface extensions of every instance. If `XDG_RUNTIME_DIR` is not an absolute path, Mesa's
+/// device-select layer then makes libwayland print a warning to standard error. `NODEVICE_SELECT` turns the layer off.
+/// A process cannot change its own environment without unsafe code.
 #[cfg(unix)]
 fn keep_vulkan_from_looking_for_a_display() {
     use std::os::unix::process::CommandExt as _;
@@ -86,12 +86,12 @@ fn keep_vulkan_from_looking_for_a_display() {
         return;
     }
     if let Ok(program) = env::current_exe() {
-        // This returns only when it fails, and then Mesa's warning shows.
+        // This returns only when it fails. Then Mesa's warning is printed.
         let _ = process::Command::new(program).args(env::args_os().skip(1)).env(SWITCH, "1").exec();
     }
 }
 
-/// Says on standard error why the command failed: as lines, or as one document of JSON.
+/// Prints to standard error why the command failed: as lines, or as one JSON document.
 fn fail(failure: &CommandFailure, json: bool) -> ExitCode {
     if !json {
         for line in failure.message.lines() {
@@ -103,8 +103,8 @@ fn fail(failure: &CommandFailure, json: bool) -> ExitCode {
     failure.exit.into()
 }
 
-/// Logs to standard error what `LTCFORGE_LOG` asks for, such as `debug` or `ltcforge_server::http=trace`; with
-/// `LTCFORGE_LOG_FORMAT=json` a document a line.
+/// Logs to standard error. `LTCFORGE_LOG` selects the targets and levels, such as `debug` or
+/// `ltcforge_server::http=trace`. With `LTCFORGE_LOG_FORMAT=json`, each line is a JSON document.
 fn log_to_stderr(default: &str) {
     let wanted = env::var("LTCFORGE_LOG").ok().and_then(|targets| targets.parse().ok());
     let targets: Targets = wanted.unwrap_or_else(|| default.parse().expect("the default is a level"));
@@ -117,17 +117,18 @@ fn log_to_stderr(default: &str) {
     tracing_subscriber::registry().with(log.with_filter(targets)).init();
 }
 
-/// The first SIGINT, and for a server SIGTERM, does what `on_interrupt` says; the second ends the process.
+/// The first SIGINT, and for a server the first SIGTERM, interrupts the command as `on_interrupt` states. The second
+/// signal ends the process.
 fn listen_to_signals(
     runtime: &tokio::runtime::Runtime,
-    tell: watch::Sender<bool>,
+    sender: watch::Sender<bool>,
     on_interrupt: OnInterrupt,
 ) -> io::Result<()> {
     let _inside = runtime.enter();
     let (mut interrupts, mut terminations) = signals(on_interrupt)?;
     runtime.spawn(async move {
         either(&mut interrupts, &mut terminations).await;
-        tell.send_replace(true);
+        sender.send_replace(true);
         match on_interrupt {
             OnInterrupt::Ends => {}
             OnInterrupt::Notified => {
@@ -143,7 +144,7 @@ fn listen_to_signals(
     Ok(())
 }
 
-/// SIGINT, and for a server SIGTERM: other commands are ended by it.
+/// SIGINT, and for a server also SIGTERM, which ends other commands at once.
 #[cfg(unix)]
 fn signals(on_interrupt: OnInterrupt) -> io::Result<(Signal, Option<Signal>)> {
     let terminations = match on_interrupt {
@@ -153,7 +154,7 @@ fn signals(on_interrupt: OnInterrupt) -> io::Result<(Signal, Option<Signal>)> {
     Ok((signal(SignalKind::interrupt())?, terminations))
 }
 
-/// Ctrl-C alone.
+/// Only Ctrl-C.
 #[cfg(not(unix))]
 fn signals(_: OnInterrupt) -> io::Result<(Signal, Option<Signal>)> {
     Ok((ctrl_c()?, None))

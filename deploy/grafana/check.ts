@@ -1,5 +1,5 @@
-// The types that `make lint-deploy` checks ltcforge.json against: Grafana's own, and the fields that each panel here has. The
-// check takes the dashboard as a literal, so an unknown field is an error.
+// `make lint-deploy` checks ltcforge.json against these types: Grafana's own types, and the fields that each panel must
+// have. The dashboard is checked as a literal, so an unknown field is an error.
 import type { Dashboard, DataQuery, FieldConfig, GridPos, Panel } from '@grafana/schema';
 import type { FieldConfig as Lines } from '@grafana/schema/dist/esm/raw/composable/timeseries/panelcfg/x/TimeSeriesPanelCfg_types.gen';
 

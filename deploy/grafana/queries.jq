@@ -1,5 +1,5 @@
-# The queries of the panels as rules for promtool. Any word replaces a variable of the dashboard, a duration replaces one of
-# Grafana.
+# Prints the queries of the panels as rules for promtool. An arbitrary word replaces each dashboard variable, and a
+# duration replaces each Grafana variable.
 (.templating.list | map(.name)) as $names
 | { groups: [{ name: "panels", rules: [
     .panels[] | "panel_\(.id)" as $panel | .targets[] | {

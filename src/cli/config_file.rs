@@ -1,4 +1,4 @@
-//! `ltcforge.toml`: settings that are the same on each run.
+//! `ltcforge.toml`: settings that are the same for each run.
 //!
 //! ```toml
 //! server = "http://farm:8317"
@@ -34,34 +34,34 @@ use ltcforge_files::{
     text::{other_form, without_mark},
 };
 
-/// Where there is no service, its settings are read past: a project may have one file for all systems.
+/// Builds without the service ignore its settings, so that a project can have one file for all systems.
 #[cfg(not(unix))]
 type ServeSettings = serde::de::IgnoredAny;
 
-/// The file that is read when none is named.
+/// The configuration file to read if the user names no file.
 const DEFAULT_FILE: &str = "ltcforge.toml";
 
-/// Longest configuration file that is read.
+/// Maximum size of a configuration file.
 const LIMIT_BYTES: u64 = 1 << 20;
 
-/// Where the client commands look for a service when nothing says otherwise.
+/// The service that the client commands call by default.
 pub(super) const DEFAULT_SERVER: &str = "http://127.0.0.1:8317";
 
-/// The settings of a file, and defaults for those that it leaves out.
+/// The settings of a file, with defaults for missing settings.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct ConfigFile {
     pub(super) server: Option<String>,
-    /// Where `lock` and `pull` look for tables before they ask the server.
+    /// Sources that `lock` and `pull` try before `server`.
     pub(super) sources: Vec<Source>,
     pub(super) serve: ServeSettings,
 }
 
 impl ConfigFile {
-    /// Reads `named`, or the default file if there is one.
+    /// Reads the file `named`, or else the default file if it exists.
     ///
     /// # Errors
-    /// When a named file is missing, or any file is wrong.
+    /// When `named` does not exist, or the file is invalid.
     pub(super) fn load(named: Option<&Path>) -> Result<Self, CommandFailure> {
         let path = named.unwrap_or(Path::new(DEFAULT_FILE));
         let refuse = |reason: String| usage(format!("{}: {reason}", path.display()));

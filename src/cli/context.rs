@@ -1,4 +1,4 @@
-//! The context that `main` gives to a command, and printing.
+//! The context that `main` passes to a command, and printing.
 
 use std::{io::Write, path::Path};
 
@@ -6,13 +6,13 @@ use tokio::runtime::Handle;
 
 use super::{CommandFailure, Exit, Interrupt};
 
-/// The context of a command, which `main` makes.
+/// The context of a command, created by `main`.
 pub struct Context<'a> {
     /// Standard output.
     pub stdout: &'a mut dyn Write,
-    /// Whether to print JSON, one document a line.
+    /// Whether to print JSON, one document per line.
     pub json: bool,
-    /// Whether standard output is a terminal. No binary data is written to one.
+    /// Whether standard output is a terminal. Commands never write binary data to a terminal.
     pub stdout_is_terminal: bool,
     /// Whether standard error is a terminal. Progress is drawn only there.
     pub draws_progress: bool,
@@ -31,7 +31,7 @@ impl Context<'_> {
     }
 }
 
-/// A path as text for people and JSON. Bytes that are not UTF-8 are replaced, because JSON cannot have them.
+/// A path as text for people and JSON. Bytes that are not UTF-8 are replaced, because JSON is always UTF-8.
 pub(super) fn shown(path: &Path) -> String {
     path.display().to_string()
 }

@@ -1,4 +1,4 @@
-//! Lines of CSV, from a file or standard input, one after another, and rows that are printed for them.
+//! Reads CSV lines from a file or standard input, and prints a row for each.
 
 use std::{
     fs::File,
@@ -11,23 +11,23 @@ use serde_json::{Value, json};
 use super::{Clamped, CommandFailure, Context, Exit, file_failure, out_of_range::OutOfRangeCount, shown, usage};
 use ltcforge_files::bounded::read_line;
 
-/// The longest line that is read. Four numbers take a hundred bytes, a light of eight vertices seven hundred.
+/// Maximum length of a line. Four numbers take about 100 bytes, a light with eight vertices about 700.
 const LINE_LIMIT_BYTES: u64 = 4096;
 
-/// Some editors put this before the first line.
+/// Some editors write this mark at the start of a file.
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
-/// A file of lines, or standard input.
+/// The lines of a file or of standard input.
 pub(super) struct CsvLines {
     name: String,
     stream: Box<dyn BufRead>,
 }
 
 impl CsvLines {
-    /// Opens the file at `path`, which holds `what`; `-` is standard input.
+    /// Opens the CSV file at `path`, or standard input for `-`. Messages call its content `what`.
     ///
     /// # Errors
-    /// When it cannot be opened or is a folder.
+    /// When the file cannot be opened or is a folder.
     pub(super) fn open(path: &Path, what: &str) -> Result<Self, CommandFailure> {
         if path.as_os_str() == "-" {
             return Ok(Self { name: "standard input".to_owned(), stream: Box::new(io::stdin().lock()) });
@@ -41,10 +41,10 @@ impl CsvLines {
         Ok(Self { name: shown(path), stream: Box::new(BufReader::new(file)) })
     }
 
-    /// Reads all lines except a header in the first, and calls `take` with each.
+    /// Calls `take` with each line. A header in the first line is skipped.
     ///
     /// # Errors
-    /// When a line is refused by `take`, too long or not UTF-8; the message has the line's number. Other failures of
+    /// When a line is too long, not UTF-8, or rejected by `take`. The message has the line number. Other failures of
     /// `take` are returned unchanged.
     pub(super) fn each(
         mut self,
@@ -63,7 +63,7 @@ impl CsvLines {
                 Err(error) if error.kind() == io::ErrorKind::FileTooLarge => return Err(refuse(error.to_string())),
                 Err(error) => return Err(at_line(Exit::Failed, error.to_string())),
             }
-            let text = str::from_utf8(&line).map_err(|_| refuse("this is not UTF-8".to_owned()))?;
+            let text = str::from_utf8(&line).map_err(|_| refuse("the line is not UTF-8".to_owned()))?;
             let text = if index == 0 { text.trim_start_matches(BYTE_ORDER_MARK) } else { text };
             if index == 0 && is_header(text) {
                 continue;
@@ -77,11 +77,11 @@ impl CsvLines {
     }
 }
 
-/// The reason that a line ends the command.
+/// Why a line ends the command.
 pub(super) enum LineFailure {
-    /// The line is wrong.
+    /// The line is invalid.
     Line(String),
-    /// The command cannot go on.
+    /// The command cannot continue.
     Command(CommandFailure),
 }
 
@@ -91,7 +91,7 @@ impl From<CommandFailure> for LineFailure {
     }
 }
 
-/// Rows on standard output: CSV with a header, or one JSON document a line.
+/// Rows on standard output: CSV with a header, or one JSON document per line.
 pub(super) struct Rows<'a> {
     out: BufWriter<&'a mut dyn Write>,
     json: bool,
@@ -99,7 +99,7 @@ pub(super) struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    /// Prints the header of CSV.
+    /// Prints the header, unless the output is JSON.
     pub(super) fn new(context: &'a mut Context<'_>, columns: &[String]) -> Result<Self, CommandFailure> {
         let mut out = BufWriter::new(&mut *context.stdout as &mut dyn Write);
         if !context.json {
@@ -108,7 +108,7 @@ impl<'a> Rows<'a> {
         Ok(Self { out, json: context.json, out_of_range: OutOfRangeCount::default() })
     }
 
-    /// Prints a row. `clamped` holds the axes on which its point lies outside a table, with the value used instead.
+    /// Prints a row. `clamped` lists the coordinates of its point that were outside the table's range.
     pub(super) fn print(
         &mut self,
         clamped: Option<&[Clamped]>,
@@ -128,7 +128,7 @@ impl<'a> Rows<'a> {
         Ok(written.map_err(|error| CommandFailure::stdout(&error))?)
     }
 
-    /// Ends the rows. Standard error lists the axes that were clamped, unless each JSON document does.
+    /// Finishes the output. CSV cannot show clamped points, so a summary of them goes to standard error.
     pub(super) fn end(mut self) -> Result<Exit, CommandFailure> {
         self.out.flush().map_err(|error| CommandFailure::stdout(&error))?;
         if !self.json && !self.out_of_range.is_empty() {

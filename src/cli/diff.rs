@@ -13,12 +13,12 @@ use ltcforge_fit::{Difference, Gap, MOST_POINTS, Report, Spread, difference};
 pub struct DiffArgs {
     /// Table: a file, or the first digits of a digest in --tables
     pub a: PathBuf,
-    /// Table to compare it with
+    /// Second table, compared with the first
     pub b: PathBuf,
     /// The folder of tables
     #[command(flatten)]
     pub folder: TableFolder,
-    /// Nodes to compare, and places between nodes, 8 to 1000000 [default: 1024]
+    /// Number of nodes and of points between them, 8 to 1000000 [default: 1024]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(8..=1_000_000), hide_default_value = true)]
     pub points: Option<u32>,
     /// Threads.
@@ -26,7 +26,7 @@ pub struct DiffArgs {
     pub threads: Threads,
 }
 
-/// Compares two tables. It is not a failure if they differ.
+/// Compares two tables. Different tables are not a failure.
 pub(super) fn run(args: &DiffArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let tables = [AnyTable::named(&args.a, &args.folder)?, AnyTable::named(&args.b, &args.folder)?];
     let [a, b] = &tables;
@@ -81,7 +81,7 @@ fn write_text(
                 writeln!(out, "{name:24}{mean:>12.2e}{max:>12.2e}   {alpha_x:.4} {alpha_y:.4} {theta:.4} {phi:.4}")?;
             }
         }
-        None => writeln!(out, "\nlookups: the tables cover no configuration in common")?,
+        None => writeln!(out, "\nlookups: not compared, because the tables' ranges do not overlap")?,
     }
     writeln!(out, "\nerror between nodes, mean / p95 / max, % of the lobe's width")?;
     for (name, Report { between, .. }) in ["a", "b"].into_iter().zip(reports) {

@@ -11,9 +11,9 @@ use ltcforge_files::recipe_document::RecipeError;
 pub enum Exit {
     /// Done.
     Ok = 0,
-    /// It could not be done.
+    /// The command failed.
     Failed = 1,
-    /// The command line, a recipe or a configuration is wrong.
+    /// The command line, a recipe or a configuration is invalid.
     Usage = 2,
     /// A file's bytes do not have the expected digest, or are not a table.
     Mismatch = 3,
@@ -21,7 +21,7 @@ pub enum Exit {
     Unavailable = 4,
     /// The job ended without a table.
     JobFailed = 5,
-    /// The user stopped it.
+    /// The user stopped the command.
     Interrupted = 130,
 }
 
@@ -53,13 +53,13 @@ impl CommandFailure {
         serde_json::json!({ "error": self.message, "exit": self.exit as u8 }).to_string()
     }
 
-    /// The user stopped it.
+    /// The user stopped the command.
     #[must_use]
     pub fn interrupted() -> Self {
         Self::new(Exit::Interrupted, "interrupted")
     }
 
-    /// Standard output cannot be written. It is not a failure if the reader, such as `head`, has closed it.
+    /// A failed write to standard output. If a reader such as `head` closed the pipe, the command has not failed.
     #[must_use]
     pub fn stdout(error: &io::Error) -> Self {
         match error.kind() {
@@ -69,17 +69,17 @@ impl CommandFailure {
     }
 }
 
-/// A wrong command line, recipe or configuration.
+/// An invalid command line, recipe or configuration.
 pub(super) fn usage<E: std::fmt::Display>(reason: E) -> CommandFailure {
     CommandFailure::new(Exit::Usage, reason.to_string())
 }
 
-/// The command could not be done.
+/// The command failed.
 pub(super) fn failed(reason: impl std::fmt::Display) -> CommandFailure {
     CommandFailure::new(Exit::Failed, reason.to_string())
 }
 
-/// The file at `path` does not have the bytes that it should have.
+/// The file at `path` does not have the expected bytes.
 pub(super) fn mismatch(path: &Path, reason: impl std::fmt::Display) -> CommandFailure {
     CommandFailure::new(Exit::Mismatch, format!("{}: {reason}", path.display()))
 }
@@ -89,7 +89,7 @@ pub(super) fn file_failure(path: &Path, error: &dyn std::fmt::Display) -> Comman
     CommandFailure::new(Exit::Failed, format!("{}: {error}", path.display()))
 }
 
-/// A failure that lists every fault of a recipe, one on each line.
+/// A failure that lists every fault of a recipe, one per line.
 pub(super) fn bad_recipe(name: &Path, error: RecipeError) -> CommandFailure {
     let name = name.display();
     let message = match error {
@@ -137,7 +137,7 @@ impl From<PullError> for CommandFailure {
 }
 
 impl From<SourcesError> for CommandFailure {
-    /// The gravest of several sources' errors decides: wrong bytes first, then a server that may come back.
+    /// The most serious error decides the exit code: wrong bytes first, then a server that is unavailable.
     fn from(error: SourcesError) -> Self {
         let message = error.to_string();
         match error {
@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn of_several_sources_wrong_bytes_decide() {
+    fn wrong_bytes_decide_the_exit_code_of_several_sources() {
         let unavailable = || ClientError::Unavailable { url: "a".into(), reason: "x".into() };
         let unreadable = || ClientError::Unreadable { place: "b".into(), reason: "y".into() };
         let digest = Digest::of(b"");
@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn every_fault_stands_on_its_line() {
+    fn every_fault_has_its_own_line() {
         let fault = |pointer: &str| Fault { pointer: pointer.into(), detail: "bad".into() };
         let faults = vec![fault("/a"), fault("/b")];
         let error = ClientError::Refused { url: "u".into(), status: 422, detail: "2 faults".into(), faults };
@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reader_that_leaves_is_no_failure() {
+    fn a_reader_that_closes_the_pipe_is_not_a_failure() {
         assert_eq!(CommandFailure::stdout(&io::ErrorKind::BrokenPipe.into()).exit, Exit::Ok);
         assert_eq!(CommandFailure::stdout(&io::ErrorKind::StorageFull.into()).exit, Exit::Failed);
     }

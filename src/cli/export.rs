@@ -1,4 +1,4 @@
-//! `export`: a table in the files of an engine, as textures in a chosen format, or in its compact form.
+//! `export`: writes a table as files for an engine, as textures in a chosen format, or in its compact form.
 
 use std::{fmt::Write as _, path::PathBuf};
 
@@ -57,7 +57,7 @@ pub struct ExportChoice {
     pub precision: Option<Precision>,
 }
 
-/// A format of textures, or of the table itself.
+/// A texture format, or a compact format of the table itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(untagged)]
 pub enum AnyContainer {
@@ -68,7 +68,7 @@ pub enum AnyContainer {
 }
 
 impl AnyContainer {
-    /// All of them.
+    /// All formats.
     pub fn all() -> impl Iterator<Item = Self> {
         let textures = TextureContainer::ALL.iter().map(|container| Self::Textures(*container));
         textures.chain(CompactContainer::ALL.iter().map(|container| Self::Compact(*container)))
@@ -85,23 +85,23 @@ impl AnyContainer {
 
 fn containers() -> impl TypedValueParser<Value = AnyContainer> {
     let names = PossibleValuesParser::new(AnyContainer::all().map(AnyContainer::name));
-    names.try_map(|name| AnyContainer::all().find(|item| item.name() == name).ok_or("is not a format"))
+    names.try_map(|name| AnyContainer::all().find(|item| item.name() == name).ok_or("unknown format"))
 }
 
-/// Reads a precision by its name in graphics interfaces or in recipes.
+/// Parses a precision: `half` or `float` as in graphics APIs, or `f16` or `f32` as in recipes.
 fn precisions() -> impl TypedValueParser<Value = Precision> {
     let (half, float) = (PossibleValue::new("half").alias("f16"), PossibleValue::new("float").alias("f32"));
     PossibleValuesParser::new([float, half])
         .map(|name| if matches!(name.as_str(), "half" | "f16") { Precision::F16 } else { Precision::F32 })
 }
 
-/// Writes the files, and prints what to do with them.
+/// Writes the files, and prints the steps to use them.
 pub(super) fn run(args: &ExportArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     check_output_folder(&args.out)?;
     let AnyTable { path, digest, table, origin } = AnyTable::read(&args.table)?;
     let recipe = origin.recipe();
     let export = export_of(&args.choice)?;
-    // Faults are reported before the table is measured.
+    // Errors in the options are reported before the table is measured.
     let layout = export.layout(&table).map_err(usage)?;
     let pool = args.threads.pool()?;
     tabulated::check_complete(&table, &path)?;
@@ -125,11 +125,10 @@ pub(super) fn run(args: &ExportArgs, context: &mut Context<'_>) -> Result<Exit, 
     context.print(&value, text(args, &files, &compared, &steps).trim_end())
 }
 
-/// The export that a command line requests.
+/// The export that the options choose.
 ///
 /// # Errors
-/// When the layout is unknown or missing, or a compact form is requested in another layout or precision than the
-/// table's own.
+/// When the layout is unknown or missing, or `--layout` or `--precision` is given for a compact form.
 pub(super) fn export_of(choice: &ExportChoice) -> Result<Export, CommandFailure> {
     let ExportChoice { engine, layout, container, precision } = choice;
     match (*engine, layout, *container) {
@@ -151,14 +150,14 @@ pub(super) fn export_of(choice: &ExportChoice) -> Result<Export, CommandFailure>
     }
 }
 
-/// The errors of a table and its compact form between nodes, as parts of a lobe's width.
+/// The errors between nodes of a table and of its compact form, in lobe widths.
 #[derive(Debug, serde::Serialize)]
 struct Compared {
     table: Spread,
     decoded: Spread,
 }
 
-/// The files of the compact forms of a table's lobes, and their errors. Measures on the current rayon pool.
+/// The compact forms of a table's lobes as files, and their errors. Measures on the current rayon pool.
 fn compact_bundle(
     container: CompactContainer,
     table: &Table,
@@ -171,13 +170,13 @@ fn compact_bundle(
     Ok((Export::compact_bundle(container, forms, about).map_err(usage)?, compared))
 }
 
-/// The table's mean error between nodes, which its files state, if its recipe is known. Measures on the current rayon
-/// pool. Domain: a table whose model is complete.
+/// The table's mean error between nodes, which exported files state; `None` without a recipe. Measures on the current
+/// rayon pool. Domain: a table whose scattering model is complete.
 pub(super) fn measured(table: &Table, recipe: Option<&Recipe>) -> Option<MeanError> {
     recipe.map(|recipe| MeanError::of(&table_report(table, recipe)))
 }
 
-/// A text that lists the files, the changes by rounding, and the steps to use them.
+/// The text output: the files, the rounding errors, and the steps to use the files.
 fn text(args: &ExportArgs, files: &[TextureFile], compared: &[Compared], steps: &[String]) -> String {
     let mut out = String::new();
     for file in files {
@@ -189,7 +188,7 @@ fn text(args: &ExportArgs, files: &[TextureFile], compared: &[Compared], steps: 
         let RoundingError { relative, absolute_of_small, clamped, raised, displacement } = all;
         let _ = writeln!(
             out,
-            "rounded to 16 bits: relative error at most {relative:.1e}, of numbers below 6.1e-5 {absolute_of_small:.1e}"
+            "rounded to 16 bits: error at most {relative:.1e} relative, {absolute_of_small:.1e} absolute below 6.1e-5"
         );
         if let Some(Displacement { mean, max }) = displacement {
             let _ = writeln!(out, "rounding moves a lobe by {mean:.4} of its width on average, at most {max:.4}");
@@ -197,7 +196,7 @@ fn text(args: &ExportArgs, files: &[TextureFile], compared: &[Compared], steps: 
         if clamped + raised > 0 {
             let _ = writeln!(
                 out,
-                "beyond the range of 16 bits: {clamped} became 65504, {raised} became 6.0e-8 instead of 0"
+                "numbers outside the 16-bit range: {clamped} became 65504, {raised} became 6.0e-8 instead of 0"
             );
         }
     }

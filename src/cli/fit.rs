@@ -1,4 +1,4 @@
-//! `fit`: a table without a server.
+//! `fit`: fits a table on this machine, without a server.
 
 use std::{
     num::NonZeroU64,
@@ -40,7 +40,7 @@ pub struct FitArgs {
     pub entry_limit: Option<NonZeroU64>,
 }
 
-/// Characters of a short digest: `sha256:` and 12 digits, unique among many thousands of tables.
+/// Length of a short digest, `sha256:` and 12 digits. It is unique among many thousands of tables.
 const SHORT_DIGEST: usize = "sha256:".len() + 12;
 
 /// Fits a recipe and writes the table and its manifest.
@@ -53,7 +53,7 @@ pub(super) fn run(args: &FitArgs, context: &mut Context<'_>) -> Result<Exit, Com
     let started = Instant::now();
     let table = pool.install(|| fit_alone(&recipe, context.draws_progress, &context.interrupt))?;
     let fit_seconds = started.elapsed().as_secs_f64();
-    // The file of a tabulated BRDF is kept beside the table, because measuring the table needs it.
+    // A tabulated BRDF's file is copied next to the table, because measuring the table needs it.
     if let (Some(of), Some(bytes)) = (recipe.model().file(), &brdf_file) {
         write_in(&args.out, kept_name(of.digest()), bytes)?;
     }
@@ -91,7 +91,7 @@ pub(super) struct Stored {
     pub(super) digest: Digest,
     /// The length of the table's file.
     pub(super) bytes: usize,
-    /// The table and the manifest.
+    /// The paths of the table and of the manifest.
     pub(super) paths: [PathBuf; 2],
     pub(super) report: Report,
 }
@@ -108,10 +108,10 @@ pub(super) fn store(out: &Path, recipe: &Recipe, table: &Table) -> Result<Stored
     Ok(Stored { digest, bytes: file.len(), paths, report })
 }
 
-/// The table of a recipe, with a progress bar of its own. Fits on the current rayon pool.
+/// Fits a recipe on the current rayon pool, with its own progress bar.
 ///
 /// # Errors
-/// When the user stops it.
+/// When the user stops the fit.
 pub(super) fn fit_alone(recipe: &Recipe, draws: bool, interrupt: &Interrupt) -> Result<Table, CommandFailure> {
     let bar = progress::bar(draws, recipe.entries());
     let table = fit(&Plan::new(recipe), &bar, interrupt);
@@ -119,10 +119,10 @@ pub(super) fn fit_alone(recipe: &Recipe, draws: bool, interrupt: &Interrupt) -> 
     table.ok_or_else(CommandFailure::interrupted)
 }
 
-/// The table of a plan, or `None` when the user stops the fit.
+/// Fits the table of a plan. Returns `None` when the user stops the fit.
 pub(super) fn fit(plan: &Plan, bar: &ProgressBar, interrupt: &Interrupt) -> Option<Table> {
     fit_plan(plan, &|done| {
-        // Threads may report out of order. The bar never goes back.
+        // Threads may report out of order, but the bar must not move backwards.
         bar.update(|bar| bar.set_pos(bar.pos().max(done)));
         if interrupt.is_set() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     })

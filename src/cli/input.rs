@@ -1,4 +1,4 @@
-//! Recipes and tables as the command line names them.
+//! Reads the recipes and tables that the command line names.
 
 use std::{
     io,
@@ -28,18 +28,18 @@ pub struct TableChoice {
     pub folder: TableFolder,
 }
 
-/// The folder that is searched for digests, and the length of tables.
+/// The folder to search for tables, and the maximum size of a table.
 #[derive(Debug, Args)]
 pub struct TableFolder {
     /// Folder to search for digests [default: `.`, then `tables`]
     #[arg(long, value_name = "DIR")]
     pub tables: Option<PathBuf>,
-    /// How long a table may be
+    /// The maximum size of a table.
     #[command(flatten)]
     pub limit: TableLimit,
 }
 
-/// How long a table may be.
+/// The maximum size of a table.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct TableLimit {
     /// Largest table to read or download
@@ -47,10 +47,10 @@ pub struct TableLimit {
     pub table_limit: u64,
 }
 
-/// The longest recipe that is read. The service takes 64 KiB.
+/// Maximum size of a recipe. The service accepts only 64 KiB.
 const RECIPE_LIMIT_BYTES: u64 = 1 << 20;
 
-/// A table that was read: one of ltcforge's files, a compact form, or a `.npy` file.
+/// A table from one of ltcforge's files, from a compact form, or from a `.npy` file.
 pub(super) struct AnyTable {
     pub(super) path: PathBuf,
     /// The digest of the file.
@@ -61,9 +61,9 @@ pub(super) struct AnyTable {
 
 /// The origin of a table, as its file states it.
 pub(super) enum Origin {
-    /// The recipe in one of ltcforge's files.
+    /// The recipe that one of ltcforge's files contains.
     Recipe(Recipe),
-    /// The ranges of the axes of a compact form or a `.npy` file, which state nothing else.
+    /// The axis ranges of a compact form or a `.npy` file, which contain no recipe.
     Range(PerAxis<[f64; 2]>),
 }
 
@@ -83,18 +83,18 @@ impl Origin {
 }
 
 impl AnyTable {
-    /// Reads a table. The file's first bytes or its extension say which format it has.
+    /// Reads a table. The first bytes of the file or its extension determine the format.
     ///
     /// # Errors
-    /// When there is no such file, it is longer than the limit, or it is not a table.
+    /// When the file does not exist, is longer than the limit, or is not a table.
     pub(super) fn read(choice: &TableChoice) -> Result<Self, CommandFailure> {
         Self::named(&choice.table, &choice.folder)
     }
 
-    /// Reads a table by its file's name or by its digest.
+    /// Reads the table `name`: a path or a digest.
     ///
     /// # Errors
-    /// As [`Self::read`].
+    /// See [`Self::read`].
     pub(super) fn named(name: &Path, folder: &TableFolder) -> Result<Self, CommandFailure> {
         let path = table_path(name, folder.tables.as_deref())?;
         let bytes = read_file(&path, folder.limit.table_limit).map_err(|error| file_failure(&path, &error))?;
@@ -117,17 +117,17 @@ impl AnyTable {
         Ok(Self { path, digest: Digest::of(&bytes), table, origin: Origin::Range(range) })
     }
 
-    /// The errors of the table at so many points, or at as many as the report in its manifest has. Measures on the current
-    /// rayon pool.
+    /// Measures the table at `points` points, by default at as many as its manifest reports. Runs on the current rayon
+    /// pool.
     pub(super) fn report(&self, points: Option<u32>) -> Report {
         let usual = self.origin.recipe().map_or(MOST_POINTS.into(), report_points);
         report(&self.table, self.origin.range(), points.map_or(usual, |points| (points as usize).into()))
     }
 
-    /// Replaces the table's amplitude and Fresnel term by those of GGX, if `of_ggx`.
+    /// If `of_ggx`, replaces the table's amplitude and Fresnel term with those of GGX.
     ///
     /// # Errors
-    /// When it is of another scattering model.
+    /// When the table has another scattering model.
     pub(super) fn with_terms(mut self, of_ggx: bool) -> Result<Self, CommandFailure> {
         if !of_ggx {
             return Ok(self);
@@ -144,7 +144,7 @@ impl AnyTable {
 /// Reads a recipe by name: `-` is stdin, a bare word is a preset, anything else is a file.
 ///
 /// # Errors
-/// When it cannot be read, or is longer than [`RECIPE_LIMIT_BYTES`].
+/// When the recipe cannot be read, or is longer than [`RECIPE_LIMIT_BYTES`].
 pub(super) fn recipe_document(name: &Path) -> Result<Vec<u8>, CommandFailure> {
     let document = match name.to_str() {
         Some("-") => read_stream(io::stdin().lock(), RECIPE_LIMIT_BYTES)
@@ -155,7 +155,7 @@ pub(super) fn recipe_document(name: &Path) -> Result<Vec<u8>, CommandFailure> {
     document.map(|document| without_mark(&document).to_vec())
 }
 
-/// A recipe's file in the working folder without an extension is named `./recipe`.
+/// Whether a name is a bare word. A recipe file without an extension needs a path such as `./recipe`.
 fn is_preset_name(name: &str) -> bool {
     !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_alphanumeric() || matches!(byte, b'-' | b'_'))
 }

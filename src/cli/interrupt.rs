@@ -1,4 +1,4 @@
-//! The flag by which the user stops a command.
+//! The flag that stops a command.
 
 use tokio::sync::watch;
 

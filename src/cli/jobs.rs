@@ -19,7 +19,7 @@ pub struct JobsArgs {
     pub server: ServerArgs,
 }
 
-/// The commands on jobs.
+/// The actions on jobs.
 #[derive(Debug, Subcommand)]
 pub enum JobsAction {
     /// Submit a recipe
@@ -35,7 +35,7 @@ pub enum JobsAction {
         /// State of the jobs to list
         #[arg(long, value_parser = parse_state, value_name = "STATE")]
         state: Option<StateName>,
-        /// Most jobs to list
+        /// Maximum number of jobs to list
         #[arg(long, default_value_t = 50, value_name = "N")]
         limit: usize,
     },

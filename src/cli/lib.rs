@@ -1,7 +1,7 @@
 //! The command line: parse, configure, run, exit code.
 //!
-//! Invariant: `cli` owns neither signals nor the environment; `main` hands both in. It holds no logic that
-//! `ltcforge_server::service` could hold.
+//! Invariant: `cli` owns neither signals nor the environment; `main` passes both in. Logic that fits into
+//! `ltcforge_server::service` belongs there.
 
 mod args;
 mod config_file;

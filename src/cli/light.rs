@@ -13,7 +13,7 @@ use ltcforge_light::{
     edge_truth_of, truth_of,
 };
 
-/// Prints the reflected light of each line as soon as it is read.
+/// Prints the reflected light of each line as soon as the line is read.
 pub(super) fn run(args: &LightArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let chosen = choose(args)?;
     let table = chosen.as_ref().map(|chosen| &chosen.table);
@@ -63,7 +63,7 @@ pub(super) fn run(args: &LightArgs, context: &mut Context<'_>) -> Result<Exit, C
             };
             let numbers = numbers().map_err(|error| LineFailure::Line(error.to_string()))?;
             let clamped = chosen.as_ref().map(|AnyTable { table, origin, .. }| clamped(&at, table, origin.range()));
-            // Numbers are the shortest that read back as the same f64.
+            // Each number has the fewest digits that parse to the same f64.
             let row = || numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
             let value = || columns.iter().cloned().zip(numbers.iter().map(|number| json!(number)));
             rows.print(clamped.as_deref(), row, || Value::Object(value().collect::<Map<_, _>>()))
@@ -85,15 +85,16 @@ fn columns(args: &LightArgs) -> Vec<String> {
 struct Of<'a> {
     args: &'a LightArgs,
     light: ReflectedLight,
-    /// The part that a material with these reflectances at normal and at grazing incidence reflects.
+    /// The light reflected by a material with these reflectances at normal and at grazing incidence.
     material: &'a dyn Fn([f64; 2]) -> Result<f64, LightError>,
-    /// The part by which a metal of `--f82` reflects less, before its factor.
+    /// The light that the F82 term of a metal removes, divided by `edge_factor`.
     edge: &'a dyn Fn() -> Result<f64, LightError>,
     albedo: &'a dyn Fn() -> Result<f64, LightError>,
 }
 
 impl Of<'_> {
-    /// The numbers of [`columns`]; `channels` are those of the picture of `--texture`.
+    /// The numbers of a row, in the order of [`columns`]. `channels` are the reflected channels of the `--texture`
+    /// picture.
     fn numbers(&self, channels: Option<[f64; 3]>) -> Result<Vec<f64>, LightError> {
         let LightArgs { f0, f82, f90, compensate, .. } = *self.args;
         let mut numbers = vec![self.light.energy, self.light.fresnel];
@@ -114,10 +115,10 @@ impl Of<'_> {
 }
 
 fn needs_table(model: LightModel) -> String {
-    format!("model {model} needs a table: --table TABLE")
+    format!("model {model} needs a table: add --table TABLE")
 }
 
-/// Reads the model's table; `None` for a model without a table. Lists all faults of the options at once.
+/// Reads the model's table; `None` for a model without a table. An error lists all invalid options.
 fn choose(args: &LightArgs) -> Result<Option<AnyTable>, CommandFailure> {
     let faults = option_faults(args);
     if !faults.is_empty() {
@@ -139,7 +140,7 @@ fn choose(args: &LightArgs) -> Result<Option<AnyTable>, CommandFailure> {
     Ok(Some(chosen))
 }
 
-/// The faults of the options, whatever the table.
+/// Invalid options that can be found without the table.
 fn option_faults(args: &LightArgs) -> Vec<String> {
     let model = args.model;
     let mut faults = Vec::new();
@@ -164,7 +165,7 @@ fn option_faults(args: &LightArgs) -> Vec<String> {
     faults
 }
 
-/// Why a table cannot light as the options say: the model, the material of `--f0`, a metal by `--f82`.
+/// Options that this table does not support.
 fn table_faults(args: &LightArgs, table: &Table) -> Vec<String> {
     let (brdf, lobe, model) = (table.brdf(), table.lobe, args.model);
     let lacks_edge = table.terms().is_none_or(|terms| terms.edge().is_none());

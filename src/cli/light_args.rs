@@ -34,19 +34,19 @@ pub struct LightArgs {
     /// The folder of tables
     #[command(flatten)]
     pub folder: TableFolder,
-    /// Cut light and lobe of model ltc at the surface
+    /// Cut the light and the lobe at the surface (model ltc)
     #[arg(long)]
     pub cut: bool,
     /// Rule of model normals [default: balanced]
     #[arg(long, value_parser = named(NormalsRule::ALL, NormalsRule::name))]
     pub rule: Option<NormalsRule>,
-    /// Also print the truth, by quadrature (milliseconds per line)
+    /// Also print true values by quadrature (milliseconds per line)
     #[arg(long)]
     pub truth: bool,
-    /// Picture on rectangle lights; prints the reflected channels
+    /// Picture on rectangular lights; prints the reflected channels
     ///
-    /// PNG, `OpenEXR`, Radiance HDR or JPEG. The picture's upper left corner is at the first vertex, and its rows run to
-    /// the second. The Fresnel factor is 1, or Schlick's with --f0. Models: normals, or ltc with a table
+    /// PNG, `OpenEXR`, Radiance HDR or JPEG. The picture's upper left corner is at the first vertex; its rows run toward
+    /// the second vertex. The Fresnel factor is 1, or Schlick's with --f0. Models: normals, or ltc with a table
     #[arg(long, value_name = "IMAGE")]
     pub texture: Option<PathBuf>,
     /// Texture reads per light, with --texture [default: 4]
@@ -55,7 +55,7 @@ pub struct LightArgs {
     /// Also print the light of a material with this F0 (Schlick), 0 to 1
     #[arg(long, allow_negative_numbers = true)]
     pub f0: Option<f64>,
-    /// F82 tint of a metal, with --f0; a table needs terms `f82`, 0 to 1
+    /// F82 tint of a metal, 0 to 1, with --f0; a table needs terms `f82`
     #[arg(long, value_name = "TINT", allow_negative_numbers = true, requires = "f0")]
     pub f82: Option<f64>,
     /// Reflectance at grazing incidence, with --f0, 0 to 1

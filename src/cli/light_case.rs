@@ -7,23 +7,23 @@ use glam::DVec3;
 use ltcforge_fit::{Configuration, MAX_VERTICES, Sides};
 use ltcforge_light::{AnisotropicRoughness, AnyLight, LightError, LightShape, ShapeParameter};
 
-/// The names of the columns before the light. Where all lines are of one material, the first two are left out.
+/// The names of the columns before the light. Lines without their own material lack the first two.
 const COLUMNS: [&str; 4] = ["alpha_x", "alpha_y", "theta", "phi"];
 const ROUGHNESS_COLUMNS: usize = 2;
 const MIN_VERTICES: usize = 3;
 
-/// A surface, a view direction and a light, which a line describes.
+/// The surface, the view direction and the light of a line.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct LightCase {
     pub(super) at: Configuration,
     pub(super) light: AnyLight,
 }
 
-/// How the lines of a file read: the shape of all lights, and the material of all surfaces if there is one.
+/// The format of all lines: the shape of the lights, and the material if all surfaces share it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CaseFormat {
     pub(super) shape: LightShape,
-    /// View and light are then in the frame of the surface's own tangent.
+    /// The material of all surfaces. With a material, view and light are in the frame of the surface's tangent.
     pub(super) material: Option<AnisotropicRoughness>,
 }
 
@@ -37,7 +37,7 @@ impl CaseFormat {
         if self.material.is_some() { &COLUMNS[ROUGHNESS_COLUMNS..] } else { &COLUMNS }
     }
 
-    /// The names of the columns before those of a polygon's vertices.
+    /// The names of all columns except those of a polygon's vertices.
     fn own_columns(&self) -> Vec<&'static str> {
         let names = |parameter: &'static ShapeParameter| match parameter {
             ShapeParameter::Sides => &["sides"][..],
@@ -48,7 +48,7 @@ impl CaseFormat {
         self.surface_columns().iter().chain(self.shape.parameters().iter().flat_map(names)).copied().collect()
     }
 
-    /// The names of the columns of a line of so many fields. Those of a polygon end in `x0`, `y0`, `z0`, `x1` ...
+    /// The column names of a line with this many fields. Columns of vertices are `x0`, `y0`, `z0`, `x1` ...
     fn columns(&self, fields: usize) -> Vec<String> {
         let own = self.own_columns();
         let vertices = if has_vertices(self.shape) { fields.saturating_sub(own.len()) } else { 0 };
@@ -56,7 +56,7 @@ impl CaseFormat {
         own.into_iter().map(str::to_owned).chain((0..vertices).map(coordinate)).collect()
     }
 
-    /// The columns that a line should have, for the message to a line that has others.
+    /// The expected columns, for error messages.
     fn expected(&self) -> String {
         let names = self.own_columns().join(",");
         if has_vertices(self.shape) {
@@ -68,7 +68,7 @@ impl CaseFormat {
     /// Reads a line; `None` for an empty line.
     ///
     /// # Errors
-    /// Every field that is wrong and the values that it may have, or the fault of a light whose fields are right.
+    /// Every invalid field with its allowed values. If all fields are valid, the reason why the light is invalid.
     pub(super) fn parse(&self, line: &str) -> Result<Option<LightCase>, String> {
         if line.trim().is_empty() {
             return Ok(None);
@@ -90,7 +90,7 @@ impl CaseFormat {
         }
     }
 
-    /// Whether a line is a header of the columns. Those of polygons have any number of vertices.
+    /// Whether a line is the header. The header of polygons may name any number of vertices.
     pub(super) fn is_header(&self, line: &str) -> bool {
         let fields: Vec<&str> = line.split(',').map(str::trim).collect();
         let min = self.own_columns().len() + usize::from(has_vertices(self.shape));
@@ -98,7 +98,7 @@ impl CaseFormat {
     }
 }
 
-/// The fields of a line, and their faults.
+/// The fields of a line, and their errors.
 struct Fields<'a> {
     format: &'a CaseFormat,
     texts: Vec<&'a str>,
@@ -111,7 +111,7 @@ impl Fields<'_> {
         self.faults.push(format!("{name} is «{}»; {allowed}", self.texts[index]));
     }
 
-    /// The number of a field. If it is wrong, a fault is added, and the number is NaN.
+    /// Parses a field as a number. If it is invalid, adds an error and returns NaN.
     fn number(&mut self, index: usize, is_allowed: impl Fn(f64) -> bool, allowed: &str) -> f64 {
         match self.texts[index].parse::<f64>() {
             Ok(value) if value.is_finite() && is_allowed(value) => value,
@@ -157,7 +157,7 @@ impl Fields<'_> {
         self.number(index, |x| x > 0.0, &format!("a {name} must be above 0"))
     }
 
-    /// The light, or its fault; `None` if a field has one.
+    /// The light, or the reason that it is invalid; `None` if a field is invalid.
     fn light(&mut self) -> Option<Result<AnyLight, LightError>> {
         let (mut sides, mut points, mut length) = (Sides::Two, Vec::new(), f64::NAN);
         let shape = self.format.shape;
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wrong_field_is_named_with_what_is_allowed() {
+    fn a_wrong_field_is_named_with_its_allowed_values() {
         let with = |index: usize, field: &str| {
             let mut fields: Vec<&str> = SQUARE.split(',').collect();
             fields[index] = field;
@@ -266,7 +266,7 @@ mod tests {
         assert!(!is_header(Polygon, SQUARE));
     }
 
-    /// A line of each shape except polygons, with the light that it describes.
+    /// A line for each shape except polygons, with the light that it describes.
     fn shaped() -> [(LightShape, &'static str, ShapedLight); 4] {
         let (a, b) = (DVec3::new(-1.0, 0.5, 2.0), DVec3::new(1.0, 0.0, 1.5));
         let (x, y) = (DVec3::new(0.5, 0.0, 0.0), DVec3::new(0.0, 0.2, 0.1));
@@ -280,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn every_shape_has_its_columns_and_a_header_of_its_own() {
+    fn every_shape_has_its_own_columns_and_header() {
         for (shape, light, wanted) in shaped() {
             let case =
                 parse(shape, &format!("0.5,0.25,0.7,-7e1, {light}\r")).expect("a light case").expect("not empty");
@@ -297,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn every_fault_of_a_line_is_told() {
+    fn every_fault_of_a_line_is_reported() {
         let refused = |shape, light: &str| parse(shape, &format!("0.5,0.5,0,0,{light}")).expect_err(light);
         let cases = [
             (

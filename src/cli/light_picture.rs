@@ -1,4 +1,5 @@
-//! The picture of `light --texture`: read once, and prefiltered for each shape of light. `preview --light-texture` reads it too.
+//! The picture of `light --texture`, read once and prefiltered for each shape of light. `preview --light-texture` also
+//! reads it.
 
 use std::path::Path;
 
@@ -11,12 +12,12 @@ use ltcforge_light::{
 };
 use ltcforge_textures::LightPicture;
 
-/// The longest picture that is read.
+/// Maximum size of a picture file.
 pub(super) const PICTURE_LIMIT_BYTES: u64 = 1 << 28;
-/// How exact the truth is.
+/// The tolerance of `--truth`.
 const TRUTH_TOLERANCE: f64 = 1e-5;
 
-/// A picture, and the pyramid for the shape of the last light.
+/// A picture, and its pyramid for the shape of the last light.
 pub(super) struct Picture {
     image: LightImage,
     pyramid: Option<([usize; 2], LightPyramid)>,
@@ -27,7 +28,8 @@ pub(super) struct Picture {
 }
 
 impl Picture {
-    /// The picture that the arguments name; `None` without one. Refuses options that have no meaning for it, all at once.
+    /// Reads the picture of `--texture`; `None` without one. An error lists all options that textured lights do not
+    /// support.
     pub(super) fn of(args: &LightArgs, brdf: &BrdfModel) -> Result<Option<Self>, CommandFailure> {
         let Some(path) = &args.texture else { return Ok(None) };
         let mut faults = Vec::new();
@@ -79,7 +81,7 @@ impl Picture {
         Ok(self.with_fresnel(&found))
     }
 
-    /// The same truly.
+    /// The true reflected light of each channel, by quadrature.
     pub(super) fn truth(&self, at: &Configuration, light: &AnyLight) -> Result<[f64; 3], LightError> {
         Ok(self.with_fresnel(&rectangle(light)?.truth(at, &self.image, TRUTH_TOLERANCE)?))
     }
@@ -96,7 +98,7 @@ fn rectangle(light: &AnyLight) -> Result<TexturedLight, LightError> {
     }
 }
 
-/// The picture of a file.
+/// Reads a picture file.
 pub(super) fn read_picture(path: &Path) -> Result<LightImage, CommandFailure> {
     let bytes = read_file(path, PICTURE_LIMIT_BYTES).map_err(|error| file_failure(path, &error))?;
     let picture = LightPicture::decode(&bytes, None).map_err(|error| file_failure(path, &error))?;

@@ -25,10 +25,10 @@ pub struct LightTextureArgs {
     /// Output folder, created if missing
     #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
-    /// Size of the light, so that texels become square on it [default: as the picture]
+    /// Size of the light, to make texels square on it [default: as the picture]
     #[arg(long, value_name = "WxH", value_parser = LightSize::from_str)]
     pub light: Option<LightSize>,
-    /// Transfer function of the picture [default: by its format]
+    /// Transfer function of the picture [default: from its format]
     #[arg(long, value_parser = named(TransferFunction::ALL, TransferFunction::name))]
     pub transfer: Option<TransferFunction>,
     /// Output format; formats other than KTX2 write a file per level
@@ -37,7 +37,7 @@ pub struct LightTextureArgs {
     /// Texel format
     #[arg(long, default_value = LightTexels::ALL[0].name(), value_parser = named(LightTexels::ALL, LightTexels::name))]
     pub texels: LightTexels,
-    /// File name: 1 to 60 letters, digits and underscores, a letter first
+    /// File name of 1 to 60 letters, digits and _, starting with a letter
     #[arg(long, default_value = "light", value_parser = file_name)]
     pub name: String,
     /// Threads.
@@ -49,7 +49,7 @@ fn file_name(text: &str) -> Result<String, &'static str> {
     let is_name = text.len() <= 60
         && text.starts_with(|c: char| c.is_ascii_alphabetic())
         && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-    is_name.then(|| text.to_owned()).ok_or("use 1 to 60 letters, digits and underscores, a letter first")
+    is_name.then(|| text.to_owned()).ok_or("use 1 to 60 letters, digits and _; the name must start with a letter")
 }
 
 /// Writes the files and lists them. Rejects an invalid picture before it writes anything.
@@ -81,10 +81,10 @@ pub(super) fn run(args: &LightTextureArgs, context: &mut Context<'_>) -> Result<
     value["files"] = list.into();
     if *format != PROFILE_FORMAT && (0..2).any(|i| size[i] < picture[i]) {
         let [along, in_all] = MOST_SQUARE_TEXELS;
-        let _ = writeln!(text, "coarser than the picture: at most {along} texels per side and {in_all} in total");
+        let _ = writeln!(text, "coarser than the picture: the limit is {along} texels per side and {in_all} in total");
     }
     if *error > 0.0 {
-        let _ = writeln!(text, "rounded: a channel changes by at most {error:.1e} of its texel's largest");
+        let _ = writeln!(text, "rounded: a channel changes by at most {error:.1e} of the texel's largest channel");
     }
     if *clamped > 0 {
         let _ = writeln!(text, "{clamped} numbers are too large for {texels} and were clamped");

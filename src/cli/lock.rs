@@ -1,4 +1,4 @@
-//! `lock`: the one writer of the lock file.
+//! `lock`: the only command that writes the lock file.
 
 use std::{
     io,
@@ -23,7 +23,7 @@ use ltcforge_files::{
     replace::{folder_of, replace_file},
 };
 
-/// The end of the names of a plan's second recipe and of its table's pin.
+/// The suffix of a plan's recipe for sheen, and of the name of its pin.
 const SHEEN: &str = "-sheen";
 
 /// `lock`.
@@ -61,7 +61,7 @@ pub struct LockArgs {
 }
 
 impl LockArgs {
-    /// The recipes that the command line names, by itself or as those of a plan, and what their pins' names end in.
+    /// The recipe of `--recipe`, or the recipes in the folder of `--plan`. Each has the suffix of its pin's name.
     pub(crate) fn recipes(&self) -> Vec<(&'static str, PathBuf)> {
         let Some(folder) = &self.plan else {
             return self.recipe.iter().map(|recipe| ("", recipe.clone())).collect();
@@ -69,12 +69,12 @@ impl LockArgs {
         let of = |end: &'static str| (end, folder.join(format!("recipe{end}.json")));
         let mut found = ["", SHEEN].map(of).to_vec();
         found.retain(|(_, path)| path.exists());
-        // An error about a folder without recipes names the first.
+        // If the folder has no recipes, the error names the first path.
         if found.is_empty() { vec![of("")] } else { found }
     }
 }
 
-/// A file to write, unless it is there.
+/// A file to write, unless it already exists.
 struct Planned {
     path: PathBuf,
     digest: Digest,
@@ -86,12 +86,12 @@ struct Found {
     digest: Digest,
     file: TableFile,
     bytes: Vec<u8>,
-    /// Whether it came from a source.
+    /// Whether the table came from a source.
     from_source: bool,
 }
 
-/// Pins tables and the files that are made from them. Everything is made and checked before the first file is written.
-/// The lock file is written last.
+/// Pins tables and the files that are made from them. All files are made and checked before the first is written. The
+/// lock file is written last.
 pub(super) fn run(args: &LockArgs, sources: &Sources, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let path = &args.sources.lock;
     let refused = |error: LockFileError| {
@@ -99,11 +99,11 @@ pub(super) fn run(args: &LockArgs, sources: &Sources, context: &mut Context<'_>)
         let CommandFailure { exit, message } = lock_failure(path, &error);
         CommandFailure { exit, message: message + if is_shared { ": choose another --out or --to" } else { "" } }
     };
-    // Another `lock` would not see what this one writes, and would write the lock file without it.
+    // Two `lock` commands at the same time would overwrite each other's pins.
     if !folder_of(path).is_dir() {
         return Err(file_failure(path, &format!("there is no folder {}", folder_of(path).display())));
     }
-    let wait = || tracing::warn!("another `ltcforge lock` is at work in {}; waiting", folder_of(path).display());
+    let wait = || tracing::warn!("another `ltcforge lock` is running in {}; waiting", folder_of(path).display());
     let _guard = Guard::of(folder_of(path), wait).map_err(|error| file_failure(path, &error))?;
     let old = match read_text(path) {
         Ok(text) => text,
@@ -134,7 +134,7 @@ pub(super) fn run(args: &LockArgs, sources: &Sources, context: &mut Context<'_>)
         if args.name.is_some() {
             made = asked_pins(args, &mut pins, path)?;
         }
-        // Names are checked before the work, and again with the files that it makes.
+        // The names are checked before the slow work, and again when all files are known.
         check_pins(&pins).map_err(refused)?;
         check_places(path, &lock.folder, pins.iter().filter(|pin| made.contains(&pin.name)))?;
         let fitting = Fitting::new(args.sources.threads, args.sources.entry_limit, context);
@@ -145,7 +145,7 @@ pub(super) fn run(args: &LockArgs, sources: &Sources, context: &mut Context<'_>)
     }
     let text = with_pins(&old, &pins).map_err(refused)?;
     LockFile::parse(&text, path).map_err(refused)?;
-    // All obstacles are found before the first file is written.
+    // Everything that could prevent a write is checked before the first file is written.
     let mut wrong = Vec::new();
     for Planned { path, digest, bytes } in &planned {
         let target = client::target(path, &lock.folder)?;
@@ -168,7 +168,7 @@ pub(super) fn run(args: &LockArgs, sources: &Sources, context: &mut Context<'_>)
     let files = planned.iter().map(|planned| (planned.path.as_path(), planned.bytes.as_slice()));
     let lines = client::missing_attributes(files, &lock.folder);
     if !lines.is_empty() {
-        let advice = "add to .gitattributes, or Git may change the line ends of these files";
+        let advice = "add these lines to .gitattributes, or Git may change the files' line endings";
         let text = format!("{advice}:\n{}", lines.join("\n"));
         context.print(&json!({ "gitattributes": lines, "detail": advice }), &text)?;
     }
@@ -182,7 +182,7 @@ fn check_places<'a>(path: &Path, folder: &Path, pins: impl Iterator<Item = &'a P
         client::check(&pin.path, pin.digest, None, folder)?;
         check_output_folder(folder_of(&client::target(&pin.path, folder)?))?;
         for export in &pin.exports {
-            // The names of the files in it are not known yet.
+            // The names of the exported files are not known yet.
             let file = client::target(&export.to.join("file"), folder)?;
             check_output_folder(folder_of(&file))?;
         }
@@ -208,8 +208,8 @@ fn unknown(name: &str, path: &Path) -> CommandFailure {
     usage(format!("{}: {}: {what}", path.display(), name.escape_debug()))
 }
 
-/// The names of the pins that the command line names, after its changes: one, or one for each recipe of a plan. Their digests
-/// may still be the old ones.
+/// Adds or changes the pins that the command line names, and returns their names: one, or one per recipe of a plan.
+/// The pins may still have their old digests.
 fn asked_pins(args: &LockArgs, pins: &mut Vec<Pin>, lock: &Path) -> Result<Vec<String>, CommandFailure> {
     let ends = args.recipes().into_iter().map(|(end, _)| end);
     let ends = if args.recipes().is_empty() { vec![""] } else { ends.collect() };
@@ -221,7 +221,7 @@ fn asked_pins(args: &LockArgs, pins: &mut Vec<Pin>, lock: &Path) -> Result<Vec<S
     Ok(names)
 }
 
-/// The index of the pin whose name ends in `end`.
+/// Adds or changes the pin whose name ends in `end`, and returns its index.
 fn asked_pin(args: &LockArgs, end: &str, pins: &mut Vec<Pin>, lock: &Path) -> Result<usize, CommandFailure> {
     let name = args.name.clone().unwrap_or_default() + end;
     let index = pins.iter().position(|pin| pin.name == name);
@@ -237,7 +237,7 @@ fn asked_pin(args: &LockArgs, end: &str, pins: &mut Vec<Pin>, lock: &Path) -> Re
     if let Some(to) = &args.to {
         pin.path = ended(to, end);
     }
-    // Files are made of the first one: engines read tables of one scattering model.
+    // Only the first table is exported, because engines read tables of one scattering model.
     if let Some(out) = args.out.as_ref().filter(|_| end.is_empty()) {
         if args.export.engine.is_none() && args.export.container.is_none() {
             return Err(usage("--out needs an export: add --for or --container"));
@@ -250,7 +250,7 @@ fn asked_pin(args: &LockArgs, end: &str, pins: &mut Vec<Pin>, lock: &Path) -> Re
     Ok(index)
 }
 
-/// A path whose name, before its extension, ends in `end`.
+/// Appends `end` to the name of a path, before the extension.
 fn ended(path: &Path, end: &str) -> PathBuf {
     if end.is_empty() {
         return path.to_owned();
@@ -269,7 +269,7 @@ struct Locking<'a, 'b> {
 }
 
 impl Locking<'_, '_> {
-    /// Completes a pin, and returns the files that it names.
+    /// Completes a pin, and returns the table and the exported files.
     fn pin(&self, pin: &mut Pin) -> Result<Vec<Planned>, CommandFailure> {
         let Found { digest, file, bytes, from_source } = self.find(pin)?;
         let recipe = recipe_document::canonical_json(&file.recipe);
@@ -310,7 +310,7 @@ impl Locking<'_, '_> {
         }
     }
 
-    /// A table by its file or its digest: from the folders that are searched for digests, or else from a source.
+    /// Finds a table by its path or digest: in the local folders, or else in a source.
     fn named(&self, name: &Path, pin: &Pin) -> Result<Found, CommandFailure> {
         let digest = name.to_str().and_then(|text| text.parse::<Digest>().ok()).filter(|_| !name.exists());
         match (table_path(name, self.args.tables.as_deref()), digest) {
@@ -320,8 +320,7 @@ impl Locking<'_, '_> {
         }
     }
 
-    /// The table of a recipe. It is the pinned table, if that has this recipe and its file is right, or else a fitted
-    /// one.
+    /// The table of a recipe: the pinned table if it has this recipe and its file is intact, or else a new fit.
     fn fitted(&self, name: &Path, pin: &Pin) -> Result<Found, CommandFailure> {
         let recipe = self.fitting.recipe(name, &input::recipe_document(name)?)?;
         let is_pinned = pin.recipe.as_ref().is_some_and(|old| *old == recipe_document::canonical_json(&recipe));
@@ -337,7 +336,7 @@ impl Locking<'_, '_> {
         Ok(Found { digest, file, bytes, from_source: false })
     }
 
-    /// The table that is pinned already.
+    /// The table that is already pinned.
     fn pinned(&self, pin: &Pin) -> Result<Found, CommandFailure> {
         let old = self.lock.pins.iter().find(|old| old.name == pin.name).unwrap_or(pin);
         match client::check(&old.path, pin.digest, None, &self.lock.folder)? {

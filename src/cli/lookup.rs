@@ -19,12 +19,12 @@ pub struct LookupArgs {
     /// CSV of `alpha_x,alpha_y,theta,phi` in radians; `-` for stdin
     #[arg(long, value_name = "CSV")]
     pub points: PathBuf,
-    /// Material of a `materials` table, from 0; the CSV has `theta,phi`
+    /// Index of a material of a `materials` table; the CSV has `theta,phi`
     #[arg(long, value_name = "N")]
     pub material: Option<u32>,
 }
 
-/// Prints a matrix for each point as soon as it is read.
+/// Prints the matrix of each point as soon as the point is read.
 pub(super) fn run(args: &LookupArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let AnyTable { table, origin, .. } = AnyTable::read(&args.table)?;
     let points = CsvLines::open(&args.points, "points")?;
@@ -48,7 +48,7 @@ pub(super) fn run(args: &LookupArgs, context: &mut Context<'_>) -> Result<Exit, 
 /// The roughnesses along x and y of a material of a table.
 ///
 /// # Errors
-/// When the table has no materials, or not so many.
+/// When the table has no material with this number.
 fn material(table: &Table, number: u32) -> Result<[f64; 2], CommandFailure> {
     let found = table.materials().nth(number as usize).map(|[alpha, ratio]| [alpha, alpha * ratio]);
     found.ok_or_else(|| {
@@ -64,7 +64,7 @@ fn material(table: &Table, number: u32) -> Result<[f64; 2], CommandFailure> {
     })
 }
 
-/// The columns; those of a second lobe and the term of F82 come last.
+/// The columns. A second lobe and the F82 term come last.
 fn columns(has_second: bool, has_edge: bool) -> Vec<String> {
     let matrix = |name: &str| (0..9).map(|i| format!("{name}{}{}", i / 3, i % 3)).collect::<Vec<_>>();
     let mut columns: Vec<String> = points::COLUMNS.map(str::to_owned).into();
@@ -75,7 +75,7 @@ fn columns(has_second: bool, has_edge: bool) -> Vec<String> {
     columns
 }
 
-/// One line of CSV. Numbers are the shortest that read back as the same f64; terms that the table lacks are empty.
+/// A CSV line. Each number has the fewest digits that parse to the same f64. Terms that the table lacks are empty.
 fn row(point: &points::Point<'_>, found: &LookedUp) -> String {
     let mut fields: Vec<String> = point.written.map(str::to_owned).into();
     fields.extend(found.matrix.iter().map(f64::to_string));
@@ -84,7 +84,7 @@ fn row(point: &points::Point<'_>, found: &LookedUp) -> String {
     fields.join(",")
 }
 
-/// The same as JSON.
+/// A line of JSON.
 fn value(point: &points::Point<'_>, found: &LookedUp) -> Value {
     let at = &point.configuration;
     let mut line = json!({

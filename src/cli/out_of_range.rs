@@ -4,24 +4,23 @@ use std::{collections::BTreeMap, fmt};
 
 use ltcforge_fit::{Configuration, PerAxis, Table};
 
-/// How far outside a range a value may lie and still count as inside, absolute below 1 and relative above: the rounding
-/// of a value's decimal or f32 digits.
+/// Tolerance for values that decimal or f32 rounding moves outside a range; absolute below 1, relative above.
 const ROUNDING: f64 = 1e-6;
 
 /// A value that was replaced because it lies outside the range of its axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Clamped {
     pub(super) axis: &'static str,
-    /// The end of the range, which is used instead.
+    /// The end of the range, used instead of the value.
     pub(super) to: f64,
-    /// Whether the value lay below the range.
+    /// Whether the value is below the range.
     is_below: bool,
 }
 
 /// The values of a configuration that lie outside the range of a table.
 pub(super) fn clamped(configuration: &Configuration, table: &Table, range: &PerAxis<[f64; 2]>) -> Vec<Clamped> {
     let folded = configuration.folded();
-    // A table of isotropic surfaces with one phi serves every phi.
+    // An isotropic table with one phi covers every phi.
     let serves_every_phi = table.serves_every_phi();
     let axes = folded.named().into_iter().zip(range.named());
     let outside = axes.filter_map(|((axis, value), (_, [low, high]))| {

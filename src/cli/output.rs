@@ -1,4 +1,4 @@
-//! Files that commands write: checked before the work, and replaced as a whole after it.
+//! Output files: checked before the work, and replaced as a whole after it.
 
 use std::{
     fs::{self, OpenOptions},
@@ -17,14 +17,14 @@ use ltcforge_files::{
 /// A file that a command will write.
 #[derive(Debug)]
 pub(super) struct OutputFile {
-    /// As the user named it.
+    /// The path, as the user wrote it.
     path: PathBuf,
     destination: Destination,
 }
 
 #[derive(Debug)]
 enum Destination {
-    /// A file, existing or new, that is replaced as a whole.
+    /// An existing or new file, which is replaced as a whole.
     File(PathBuf),
     /// A device or a pipe, to which bytes are written.
     Stream,
@@ -34,13 +34,13 @@ impl OutputFile {
     /// Checks that `path` can be written. Changes nothing.
     ///
     /// # Errors
-    /// When it is a folder, its folder is missing, or one of the two cannot be written.
+    /// When `path` is a folder, its folder is missing, or the file or its folder cannot be written.
     pub(super) fn check(path: &Path) -> Result<Self, CommandFailure> {
         let refuse = |error: &dyn std::fmt::Display| file_failure(path, error);
         let destination = match fs::metadata(path) {
             Ok(found) if found.is_dir() => return Err(refuse(&"this is a folder; add a file name")),
             Ok(found) if found.is_file() => {
-                // The file is opened to see whether that is allowed. A link stays a link, and its target is replaced.
+                // Opening the file checks the permission. If the path is a link, the target is replaced.
                 OpenOptions::new().write(true).open(path).map_err(|error| refuse(&error))?;
                 Destination::File(fs::canonicalize(path).map_err(|error| refuse(&error))?)
             }
@@ -51,7 +51,7 @@ impl OutputFile {
         if let Destination::File(file) = &destination {
             let folder = folder_of(file);
             if file.file_name().is_none() {
-                return Err(refuse(&"this names no file"));
+                return Err(refuse(&"the path names no file"));
             }
             if !folder.is_dir() {
                 return Err(refuse(&format!("there is no folder {}", folder.display())));
@@ -61,10 +61,10 @@ impl OutputFile {
         Ok(Self { path: path.to_owned(), destination })
     }
 
-    /// Writes the file. If that fails, the old one stays as it was.
+    /// Writes the file. If writing fails, the old file stays unchanged.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// When the file cannot be written.
     pub(super) fn write(&self, bytes: &[u8]) -> Result<(), CommandFailure> {
         let written = match &self.destination {
             Destination::File(file) => replace_file(file, bytes),
@@ -77,24 +77,24 @@ impl OutputFile {
 /// Writes the file `name` of `folder` as a whole, and returns its path.
 ///
 /// # Errors
-/// When it cannot be written.
+/// When the file cannot be written.
 pub(super) fn write_in(folder: &Path, name: impl AsRef<Path>, bytes: &[u8]) -> Result<PathBuf, CommandFailure> {
     let path = folder.join(name);
     replace_file(&path, bytes).map_err(|error| file_failure(&path, &error))?;
     Ok(path)
 }
 
-/// A file as the JSON of a command lists it.
+/// The JSON entry of a written file.
 pub(super) fn listed(path: &Path, bytes: &[u8]) -> serde_json::Value {
     json!({ "file": shown(path), "bytes": bytes.len(), "sha256": Digest::of(bytes).hex() })
 }
 
-/// Checks that files can be made in `folder`, which is made later if it is missing. Changes nothing.
+/// Checks that files can be created in `folder`, which may be missing. Changes nothing.
 ///
 /// # Errors
-/// When that is not possible.
+/// When files cannot be created there.
 pub(super) fn check_output_folder(folder: &Path) -> Result<(), CommandFailure> {
-    check_folder(folder).map_err(|error| file_failure(folder, &format!("cannot write there: {error}")))
+    check_folder(folder).map_err(|error| file_failure(folder, &format!("cannot write to this folder: {error}")))
 }
 
 #[cfg(all(test, unix))]
@@ -118,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_written_is_told_first() {
+    fn an_output_that_cannot_be_written_is_reported_first() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = |name: &str| folder.path().join(name);
         fs::write(path("file"), "old").expect("a file");

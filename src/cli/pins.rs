@@ -1,4 +1,4 @@
-//! Pinned files made again, for `lock`, `pull` and `verify`: tables from their recipes, exports from tables.
+//! Makes pinned files again, for `lock`, `pull` and `verify`: tables from their recipes, exports from tables.
 
 use std::{
     num::NonZeroU64,
@@ -21,7 +21,7 @@ use ltcforge_files::{
 use ltcforge_fit::Recipe;
 use ltcforge_textures::{About, Engine, Export, TextureFile};
 
-/// How tables are fitted.
+/// Settings for fitting tables.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fitting<'a> {
     threads: Threads,
@@ -31,15 +31,15 @@ pub(super) struct Fitting<'a> {
 }
 
 impl<'a> Fitting<'a> {
-    /// Fitting as the command line chooses it.
+    /// The settings that the command line chooses.
     pub(super) fn new(threads: Threads, entry_limit: Option<NonZeroU64>, context: &'a Context<'_>) -> Self {
         Self { threads, entry_limit, draws_progress: context.draws_progress, interrupt: &context.interrupt }
     }
 
-    /// The recipe in `document`, which comes from `name`.
+    /// Parses the recipe in `document`, which was read from `name`.
     ///
     /// # Errors
-    /// The faults of the recipe. The version of another fitter is one.
+    /// The faults of the recipe. It is also a fault if the recipe names another fitter version.
     pub(super) fn recipe(&self, name: &Path, document: &[u8]) -> Result<Recipe, CommandFailure> {
         tabulated::recipe(name, document, self.entry_limit).map(|(recipe, _)| recipe)
     }
@@ -47,7 +47,7 @@ impl<'a> Fitting<'a> {
     /// Fits a recipe and returns the table's file.
     ///
     /// # Errors
-    /// When no threads can be started, or the user stops it.
+    /// When no threads can be started, or the user stops the fit.
     pub(super) fn fit(&self, recipe: &Recipe) -> Result<Vec<u8>, CommandFailure> {
         let table = self.threads.pool()?.install(|| fit_alone(recipe, self.draws_progress, self.interrupt))?;
         container::encode(recipe, &table).map_err(failed)
@@ -58,7 +58,7 @@ impl<'a> Fitting<'a> {
     /// # Errors
     /// When no threads can be started.
     pub(super) fn measure(&self, mut file: TableFile, digest: Digest) -> Result<Measured, CommandFailure> {
-        // The file of a tabulated BRDF is in the folder of the tables.
+        // The file of a tabulated BRDF is in one of the table folders.
         let name = PathBuf::from(format!("{}.safetensors", digest.hex()));
         tabulated::attach(&mut file, &name);
         tabulated::check_complete(&file.table, &name)?;
@@ -71,7 +71,7 @@ impl<'a> Fitting<'a> {
 pub(super) struct Measured {
     file: TableFile,
     digest: Digest,
-    /// Its mean error between nodes.
+    /// The table's mean error between nodes.
     error: Option<MeanError>,
 }
 
@@ -79,7 +79,7 @@ impl Measured {
     /// The files of an export, with their pins in the same order.
     ///
     /// # Errors
-    /// When this program does not know the export, or the table has no such files.
+    /// When this version does not know the export, or cannot make it from the table.
     pub(super) fn export(&self, asked: &ExportPin) -> Result<(ExportPin, Vec<TextureFile>), CommandFailure> {
         let files = self.files(export_of(asked)?)?;
         let pin = |file: &TextureFile| FilePin {
@@ -94,7 +94,7 @@ impl Measured {
     /// The files of an export.
     ///
     /// # Errors
-    /// When the table has no such files.
+    /// When the export cannot be made from the table.
     pub(super) fn files(&self, export: Export) -> Result<Vec<TextureFile>, CommandFailure> {
         let Self { file: TableFile { table, recipe, .. }, digest, error } = self;
         Ok(export.bundle(table, About::of_table(*digest, Some(recipe), *error)).map_err(usage)?.files)
@@ -121,9 +121,9 @@ pub(super) fn export_of(pin: &ExportPin) -> Result<Export, CommandFailure> {
         let why = match &pin.engine {
             Some(engine) if pin.name().is_some() => {
                 let all: Vec<&str> = Engine::ALL.iter().map(|engine| engine.name()).collect();
-                format!("for is «{}»; allowed: {}", engine.escape_debug(), all.join(", "))
+                format!("«for» must be one of {}, got «{}»", all.join(", "), engine.escape_debug())
             }
-            _ => "it has «for», or «layout» and «container» and maybe «precision», or a compact «container» alone, as in \
+            _ => "use «for», or «layout», «container» and optionally «precision», or only a compact «container»; see \
                   `ltcforge export --help`"
                 .to_owned(),
         };
@@ -154,27 +154,27 @@ mod tests {
     }
 
     #[test]
-    fn a_pinned_export_is_asked_for_again() {
+    fn a_pin_requests_the_same_export_again() {
         for asked in [
             pin(Some("wgpu"), None, None, None),
             pin(None, Some("reflected"), Some("ktx2"), Some("f16")),
             pin(None, Some("reflected"), Some("dds"), None),
             pin(None, None, Some("compact-js"), None),
         ] {
-            // A service makes it under the same name.
+            // Services use the same name for the export.
             assert_eq!(asked.name(), Some(export_of(&asked).expect("a known export").to_string()));
         }
     }
 
     #[test]
-    fn what_this_program_does_not_know_is_named_with_what_it_knows() {
+    fn an_unknown_export_is_reported_with_the_known_exports() {
         for (asked, said) in [
-            (pin(Some("unity"), None, None, None), "for is «unity»; allowed: three, "),
-            (pin(None, Some("reflected"), Some("bmp"), None), "it has «for», or"),
-            (pin(None, Some("reflected"), Some("dds"), Some("f64")), "it has «for», or"),
-            (pin(None, None, None, None), "it has «for», or"),
-            (pin(Some("wgpu"), Some("reflected"), Some("dds"), None), "it has «for», or"),
-            (pin(None, Some("reflected"), None, None), "it has «for», or"),
+            (pin(Some("unity"), None, None, None), "«for» must be one of three, "),
+            (pin(None, Some("reflected"), Some("bmp"), None), "use «for», or"),
+            (pin(None, Some("reflected"), Some("dds"), Some("f64")), "use «for», or"),
+            (pin(None, None, None, None), "use «for», or"),
+            (pin(Some("wgpu"), Some("reflected"), Some("dds"), None), "use «for», or"),
+            (pin(None, Some("reflected"), None, None), "use «for», or"),
         ] {
             let refused = export_of(&asked).expect_err(said);
             assert_eq!(refused.exit, super::super::Exit::Usage);

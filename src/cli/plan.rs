@@ -43,7 +43,7 @@ pub struct PlanArgs {
     /// Plan for this engine; with --fit, write its files
     #[arg(long = "for", value_name = "ENGINE", value_parser = named(Engine::ALL, Engine::name))]
     pub engine: Option<Engine>,
-    /// Allow uneven nodes, read by the shader of `shader --nodes TABLE`
+    /// Allow uneven nodes; `shader --nodes TABLE` writes the shader for them
     #[arg(long, conflicts_with = "engine")]
     pub any_nodes: bool,
     /// Plan tables without amplitude and Fresnel term
@@ -52,10 +52,10 @@ pub struct PlanArgs {
     /// Ship the compact form: --bytes counts it, and --fit writes it
     #[arg(long, conflicts_with_all = ["engine", "any_nodes"])]
     pub ship: bool,
-    /// Most vector registers that the shader may use
+    /// Maximum number of vector registers that the shader may use
     #[arg(long, value_name = "R", value_parser = clap::value_parser!(u32).range(1..))]
     pub registers: Option<u32>,
-    /// Most instructions that the shader may have
+    /// Maximum number of instructions of the shader
     #[arg(long, value_name = "I", value_parser = clap::value_parser!(u32).range(1..))]
     pub instructions: Option<u32>,
     /// Folder for the recipe, `plan.json` and `plan.svg`
@@ -81,10 +81,10 @@ fn positive(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "use a number above 0".to_owned())
 }
 
-/// The longest list of materials.
+/// Maximum size of a list of materials.
 const LIST_LIMIT_BYTES: u64 = 1 << 20;
 
-/// Reads a scene, plans its tables, writes the plan, and fits the tables if that is asked for.
+/// Reads a scene, plans its tables and writes the plan. With `--fit`, also fits the tables.
 pub(super) fn run(args: &PlanArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let interrupt = context.interrupt.clone();
     let go_on = || !interrupt.is_set();
@@ -103,11 +103,13 @@ pub(super) fn run(args: &PlanArgs, context: &mut Context<'_>) -> Result<Exit, Co
             "sheen: files for {engine} hold one scattering model; plan without --for to get a table of sheen"
         ));
     }
+    let budget = args.error.map(Budget::Error).or(args.bytes.map(Budget::Bytes));
+    let budget = budget.or(args.seconds.map(Budget::Seconds)).unwrap_or(Budget::Knee);
     let mut plans = Vec::new();
     for (sheen, name) in [(false, "recipe"), (true, "recipe-sheen")] {
-        // An engine reads tables of one scattering model.
+        // An engine reads tables of only one scattering model.
         let Some(needs) = Needs::of(&scene, sheen).filter(|_| !sheen || layout.is_none()) else { continue };
-        let plan = pool.install(|| TablePlan::new(needs, budget(args), form, &go_on));
+        let plan = pool.install(|| TablePlan::new(needs, budget, form, &go_on));
         plans.push((name, plan.map_err(|_| CommandFailure::interrupted())?));
     }
     if let Some(engine) = engine.filter(|_| plans.is_empty()) {
@@ -124,7 +126,7 @@ pub(super) fn run(args: &PlanArgs, context: &mut Context<'_>) -> Result<Exit, Co
             tables.push(pool.install(|| fitted(plan, draws, &interrupt))?);
         }
     }
-    // A recipe of an earlier plan is of no table of this one.
+    // Delete recipes of an earlier plan that this plan does not have.
     for name in ["recipe", "recipe-sheen"].iter().filter(|name| plans.iter().all(|(of, _)| of != *name)) {
         let path = args.out.join(format!("{name}.json"));
         if let Err(error) = fs::remove_file(&path)
@@ -143,20 +145,20 @@ pub(super) fn run(args: &PlanArgs, context: &mut Context<'_>) -> Result<Exit, Co
     }
     let is_met = plans.iter().all(|(_, plan)| plan.is_met);
     let plans: Vec<TablePlan<'_>> = plans.into_iter().map(|(_, plan)| plan).collect();
-    let told = document(&scene, &plans);
-    write("plan.json", format!("{told:#}\n").as_bytes())?;
+    let plan_json = document(&scene, &plans);
+    write("plan.json", format!("{plan_json:#}\n").as_bytes())?;
     write("plan.svg", picture(&plans).as_bytes())?;
     let mut digests = Vec::new();
     for (table, plan) in tables.iter().zip(&plans) {
         digests.push(pool.install(|| write_table(args, &plan.chosen.recipe, table, &mut files))?);
     }
     let lines = words(&scene, &plans);
-    let value = json!({ "files": files, "tables": digests, "met": is_met, "plan": told });
+    let value = json!({ "files": files, "tables": digests, "met": is_met, "plan": plan_json });
     context.print(&value, &[lines, files].concat().join("\n"))?;
     Ok(if is_met { Exit::Ok } else { Exit::Failed })
 }
 
-/// The scene of a file.
+/// Reads a scene file.
 fn read(path: &Path, go_on: &GoOn<'_>) -> Result<Scene, CommandFailure> {
     let is_list =
         path.extension().and_then(OsStr::to_str).is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
@@ -176,18 +178,13 @@ fn read(path: &Path, go_on: &GoOn<'_>) -> Result<Scene, CommandFailure> {
     })
 }
 
-fn budget(args: &PlanArgs) -> Budget {
-    let of_error = args.error.map(Budget::Error);
-    of_error.or(args.bytes.map(Budget::Bytes)).or(args.seconds.map(Budget::Seconds)).unwrap_or(Budget::Knee)
-}
-
-/// The layout of an engine's tables; `None` for one that reads tables of any.
+/// The layout of an engine's tables; `None` for an engine that reads tables of any layout.
 fn engine_layout(engine: Engine) -> Option<Layout> {
     let textures = engine.layout().and_then(|name| TextureLayout::named(name).ok());
     textures.map(|textures| textures.sampling().table)
 }
 
-/// The table of a plan, which is measured by it, and the plan corrected once if it was far off.
+/// Fits the table of a plan and measures it. If the prediction was far off, corrects the plan once.
 fn fitted(plan: &mut TablePlan<'_>, draws_progress: bool, interrupt: &Interrupt) -> Result<Table, CommandFailure> {
     let timed = |recipe: &Recipe| {
         let started = processor_seconds();
@@ -205,7 +202,7 @@ fn fitted(plan: &mut TablePlan<'_>, draws_progress: bool, interrupt: &Interrupt)
     Ok(table)
 }
 
-/// Writes a table with its manifest, and an engine's files of it.
+/// Writes a table and its manifest, and with `--for` an engine's files.
 fn write_table(
     args: &PlanArgs,
     recipe: &Recipe,
@@ -214,7 +211,7 @@ fn write_table(
 ) -> Result<Digest, CommandFailure> {
     let fit::Stored { digest, paths, .. } = fit::store(&args.out, recipe, table)?;
     files.extend(paths.iter().map(|path| shown(path)));
-    // Tables of sheen have no compact form.
+    // Sheen tables have no compact form.
     let shipped = args.ship && compact::check_lobes(table).is_ok();
     let compact = shipped.then_some(Export::Compact(CompactContainer::Bytes));
     if let Some(export) = args.engine.map(Export::Engine).or(compact) {

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use ltcforge_fit::Configuration;
 
-/// How far above pi/2 a polar angle may lie and still count as pi/2. The nearest f32 lies 4.4e-8 above it.
+/// How far above pi/2 a polar angle may be and still count as pi/2. The nearest f32 is 4.4e-8 above pi/2.
 const THETA_ROUNDING: f64 = 1e-7;
 
 /// The names of the columns, which are also the header line.
@@ -22,7 +22,7 @@ pub(super) struct Point<'a> {
 /// Reads a line; `None` for an empty line.
 ///
 /// # Errors
-/// The field that is wrong, and the values that it may have.
+/// The invalid field, and its allowed values.
 pub(super) fn parse(line: &str) -> Result<Option<Point<'_>>, String> {
     if line.trim().is_empty() {
         return Ok(None);
@@ -45,10 +45,10 @@ pub(super) fn parse(line: &str) -> Result<Option<Point<'_>>, String> {
     Ok(Some(Point { written, configuration }))
 }
 
-/// A line of a view, before which a material's roughnesses are put so that it is one of a point; `None` for an empty line.
+/// Turns the line of a view into the line of a point, by adding the material's roughnesses; `None` for an empty line.
 ///
 /// # Errors
-/// When it has more or fewer fields than a view.
+/// When the line has more or fewer fields than a view.
 pub(super) fn of_view(line: &str, [alpha_x, alpha_y]: [f64; 2]) -> Result<Option<String>, String> {
     match line.split(',').count() {
         _ if line.trim().is_empty() => Ok(None),
@@ -57,7 +57,7 @@ pub(super) fn of_view(line: &str, [alpha_x, alpha_y]: [f64; 2]) -> Result<Option
     }
 }
 
-/// Whether a line is the header: of points, or of views.
+/// Whether a line is the header of points or of views.
 pub(super) fn is_header(line: &str) -> bool {
     let fields = || line.split(',').map(str::trim);
     fields().eq(COLUMNS) || fields().eq(COLUMNS[2..].iter().copied())
@@ -86,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wrong_field_is_named_with_what_is_allowed() {
+    fn a_wrong_field_is_named_with_its_allowed_values() {
         let cases = [
             ("1.5,0,0,0", "alpha_x is «1.5»; roughness"),
             ("0,-0.1,0,0", "alpha_y is «-0.1»; roughness"),

@@ -21,7 +21,7 @@ use ltcforge_view::preview::{
     ShaderTable, TexelFormat, Value,
 };
 
-/// `preview`. A parameter that is not given is that of the named scene.
+/// `preview`. Parameters that are not given come from the named scene.
 #[derive(Debug, Args)]
 pub struct PreviewArgs {
     /// Table: a file, or the first digits of a digest in --tables
@@ -91,8 +91,8 @@ impl FromArgMatches for SceneChoices {
     }
 }
 
-/// Renders a picture and writes it. Prints the adapter, materials outside the table, and the errors of modes that
-/// compare to standard error, or as JSON to standard output.
+/// Renders a picture and writes it. Prints the adapter, the materials outside the table, and the errors of comparison
+/// modes to standard error, or as JSON to standard output.
 pub(super) fn run(args: &PreviewArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let out = OutputFile::check(&args.out)?;
     let mut scene = args.scene.0.clone().into_scene();
@@ -141,7 +141,7 @@ pub(super) fn run(args: &PreviewArgs, context: &mut Context<'_>) -> Result<Exit,
     }
     eprintln!("adapter: {adapter}");
     for (Material { alpha_x, alpha_y, .. }, table) in out_of_range.iter().zip(table.iter().cycle()) {
-        // Materials are in any order.
+        // The materials of a table may be in any order, so its first and last entries are not the ends of its ranges.
         let [least, most, least_ratio, most_ratio] = table.shader_axes().roughness;
         eprintln!(
             "alpha {alpha_x} {alpha_y} lies outside the table, which covers alpha {least} to {most} and ratio \

@@ -2,7 +2,7 @@
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// A bar of `entries`, or one that draws nothing.
+/// A bar for this many entries, or a bar that draws nothing.
 pub(super) fn bar(draws: bool, entries: u64) -> ProgressBar {
     let target = if draws { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
     let style = ProgressStyle::with_template("{wide_bar} {pos}/{len} entries  {elapsed} (left {eta})");

@@ -38,9 +38,9 @@ struct Done<'a> {
     outcome: &'static str,
 }
 
-/// Downloads every pinned table that is missing or differs, and makes the pinned files that do. The files are moved
-/// into place after all pins were processed. If a pin is wrong, or its table or files have other bytes, every file
-/// stays as it was. A pin that no source has does not stop the others. The first failure decides the exit code.
+/// Downloads or makes every pinned file that is missing or changed. Files are moved into place when all pins have been
+/// processed. If a pin is invalid, or a table or file does not have the pinned bytes, no file changes. A file that no
+/// source has does not stop the others. The first failure decides the exit code.
 pub(super) fn run(args: &PullArgs, sources: &Sources, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let lock_path = &args.sources.lock;
     let lock = LockFile::read(lock_path).map_err(|error| lock_failure(lock_path, &error))?;
@@ -67,7 +67,7 @@ pub(super) fn run(args: &PullArgs, sources: &Sources, context: &mut Context<'_>)
             client::place(files)?;
         }
     } else {
-        // The last is dropped first, because a folder can be removed only after all that is in it.
+        // Reverse order, because a folder can be removed only when it is empty.
         staged.drain(..).rev().for_each(drop);
     }
     for (pin, done, failure) in &ends {
@@ -91,7 +91,7 @@ pub(super) fn run(args: &PullArgs, sources: &Sources, context: &mut Context<'_>)
     first.map_or(Ok(Exit::Ok), |exit| Err(CommandFailure::new(exit, lines.join("\n"))))
 }
 
-/// The outcome for a file that was right.
+/// The outcome for a file that was already right.
 const UNCHANGED: &str = "unchanged";
 
 struct Pulling<'a, 'b> {
@@ -146,7 +146,7 @@ impl Pulling<'_, '_> {
         Ok(())
     }
 
-    /// The state of a pinned file. With `--locked` it must be right.
+    /// The state of a pinned file. With `--locked`, a missing or changed file is an error.
     fn state(&self, path: &Path, digest: Digest, bytes: Option<u64>) -> Result<PinState, CommandFailure> {
         let state = client::check(path, digest, bytes, &self.lock.folder)?;
         let drift = |reason: String| Err(mismatch(&self.lock.folder.join(path), reason));
@@ -161,13 +161,13 @@ impl Pulling<'_, '_> {
         }
     }
 
-    /// Stages a file of a pin from its sources. `false` if none has it and it can be made here instead: a file of an export,
-    /// or with `--fit` a table.
+    /// Stages a file of a pin from its sources. Returns `false` if no source has the file and it can be made here: an
+    /// exported file, or with `--fit` a table.
     fn stages(&mut self, wanted: &Wanted, path: &Path, pin: &Pin) -> Result<bool, CommandFailure> {
         let folder = &self.lock.folder;
         let is_table = path == pin.path;
         let mut sources = self.sources.of(pin.sources.iter().chain(&self.lock.sources), folder);
-        // Folders have tables only.
+        // Folders contain only tables, so only services have other files.
         sources.retain(|source| is_table || matches!(source, Source::Server(_)));
         let staged = &mut self.staged;
         let found = self.sources.with_access(&self.context.interrupt, |access| {
@@ -180,7 +180,7 @@ impl Pulling<'_, '_> {
         }
     }
 
-    /// Refuses a table of another recipe than the pinned one.
+    /// Rejects a table whose recipe differs from the pinned recipe.
     fn check_recipe(&self, pin: &Pin, file: &TableFile) -> Result<(), CommandFailure> {
         let Some(pinned) = &pin.recipe else { return Ok(()) };
         let place = self.lock.folder.join(&pin.path);
@@ -215,7 +215,7 @@ impl Pulling<'_, '_> {
         staged.map_err(|error| file_failure(target, &error))
     }
 
-    /// The path of a pinned file, from which it is read: its own, or that of the staged file.
+    /// The path to read a pinned file from: the staged file, or else the file itself.
     fn found(&self, path: &Path) -> Result<PathBuf, CommandFailure> {
         let target = client::target(path, &self.lock.folder)?;
         Ok(self.staged.path_of(&target).map_or_else(|| self.lock.folder.join(path), Path::to_owned))
@@ -229,10 +229,10 @@ impl Pulling<'_, '_> {
         Ok(check(&self.lock.folder.join(&pin.path), &bytes, Some(pin.digest))?.1)
     }
 
-    /// Downloads the `wrong` files of an export, if services have all of them, and checks that they are files of such an
+    /// Downloads the `wrong` files of an export if the services have all of them, and checks that they belong to this
     /// export.
     fn download(&mut self, pin: &Pin, export: &ExportPin, wrong: &[&FilePin]) -> Result<bool, CommandFailure> {
-        // An export that this program does not know is an error without a request, and so are other files than it has.
+        // An unknown export, or a file that the export does not have, is an error before any request.
         let asked = export_of(export)?;
         let forms = asked.forms(&self.read(pin)?.table).map_err(usage)?;
         let form_of = |file: &FilePin| forms.iter().find(|form| export.to.join(&form.path) == file.path);
@@ -248,14 +248,14 @@ impl Pulling<'_, '_> {
             let bytes =
                 read_file(&self.found(&file.path)?, file.bytes).map_err(|error| file_failure(&place(file), &error))?;
             if !form_of(file).is_some_and(|form| form.resembles(&bytes)) {
-                let reason = format!("the pinned bytes are not an export {asked}; {ADVICE}");
+                let reason = format!("the pinned bytes are not a file of export {asked}; {ADVICE}");
                 return Err(mismatch(&place(file), reason));
             }
         }
         Ok(true)
     }
 
-    /// Stages the `wrong` files of an export. If a file does not have its pinned hash, none is staged.
+    /// Stages the `wrong` files of an export. If a file does not have its pinned hash, no file is staged.
     fn export(&mut self, export: &ExportPin, table: &Measured, wrong: &[&FilePin]) -> Result<(), CommandFailure> {
         let (made, files) = table.export(export)?;
         let refused =

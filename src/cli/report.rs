@@ -1,4 +1,4 @@
-//! `report`: measures the error of a table, one of ltcforge's or a published one.
+//! `report`: measures the error of a table, whether it was fitted by ltcforge or published.
 
 use std::{f64::consts::FRAC_PI_2, fmt::Write as _};
 
@@ -7,7 +7,7 @@ use serde_json::json;
 
 use super::{AnyTable, CommandFailure, Context, Exit, TableChoice, Threads, shown, tabulated};
 use ltcforge_fit::{
-    Accuracy, Asymmetry, Corner, LobeModel, Moved, PerAxis, Poor, Report, SecondReport, Spread, TermError, extremes,
+    Asymmetry, Corner, LobeModel, Moved, PerAxis, Poor, Report, SecondReport, Spread, TermError, extremes,
 };
 
 /// `report`.
@@ -16,7 +16,7 @@ pub struct ReportArgs {
     /// The table
     #[command(flatten)]
     pub table: TableChoice,
-    /// Nodes to measure, and places between nodes, 8 to 1000000 [default: as in the manifest]
+    /// Number of nodes and of points between them, 8 to 1000000 [default: as in the manifest]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(8..=1_000_000), hide_default_value = true)]
     pub points: Option<u32>,
     /// Also measure the corners of the domain
@@ -53,13 +53,14 @@ pub(super) fn run(args: &ReportArgs, context: &mut Context<'_>) -> Result<Exit, 
 fn write_text(out: &mut String, read: &AnyTable, report: &Report) -> std::fmt::Result {
     let PerAxis { alpha, ratio, theta, phi } = read.table.lengths();
     let Report { nodes, between, poor, matrices, floors, second, .. } = report;
-    // The figure by which tables are compared.
+    // The main figure for comparing tables.
     let Spread { mean, p95, max } = percent(between.width);
     writeln!(out, "error between nodes, mean / p95 / max: {mean:.2} / {p95:.2} / {max:.2} % of the lobe's width\n")?;
     writeln!(out, "{}\n{}", read.path.display(), read.digest)?;
     writeln!(out, "{alpha} x {ratio} x {theta} x {phi} entries: alpha x ratio x theta x phi\n")?;
 
-    writeln!(out, "{:24}{:>28}   {:>28}", "", at(nodes, "nodes"), at(between, "places between"))?;
+    let [at, between_places] = [format!("at {} nodes", nodes.points), format!("at {} places between", between.points)];
+    writeln!(out, "{:24}{at:>28}   {between_places:>28}", "")?;
     let columns = format!("{:>10}{:>9}{:>9}", "mean", "p95", "max");
     writeln!(out, "{:24}{columns}   {columns}", "")?;
     row(out, "distance sw1, rad", &cells(nodes.sw1, 5), &cells(between.sw1, 5))?;
@@ -124,7 +125,7 @@ fn poor_line(lobe: LobeModel, Poor { limit, nodes, alpha, theta }: &Poor) -> Str
     }
 }
 
-/// How far the BRDF that was fitted is from reciprocity.
+/// A line on how much the fitted BRDF violates reciprocity.
 pub(super) fn asymmetry_line(asymmetry: &Asymmetry) -> String {
     let Asymmetry { largest, alpha, ratio, theta_o, phi_o, theta_i, phi } = asymmetry;
     let alpha = alpha.map(|alpha| format!("alpha {alpha:.4}, ")).unwrap_or_default();
@@ -157,13 +158,9 @@ fn write_corners(out: &mut String, corners: &[Corner]) -> std::fmt::Result {
 
 const HOW_TO_READ: &str = "\
 Each row is an error: 0 is perfect. A renderer meets the errors between nodes. An error of 2 % of the lobe's width
-is hardly visible; at 20 % a highlight is a fifth too wide, or misplaced by as much. Even the best LTC of a lobe
-differs from it by some percent. Light is the part of the lobe's energy that square lights lose or gain. A negative
+is hardly visible; at 20 % a highlight is a fifth too wide, or displaced by a fifth. Even the best LTC differs from
+its lobe by a few percent. Light is the part of the lobe's energy that square lights lose or gain. A negative
 determinant reverses the winding of lights in a shader. docs/accuracy.md explains all figures.";
-
-fn at(accuracy: &Accuracy, what: &str) -> String {
-    format!("at {} {what}", accuracy.points)
-}
 
 fn percent(spread: Spread) -> Spread {
     Spread { mean: 100.0 * spread.mean, p95: 100.0 * spread.p95, max: 100.0 * spread.max }

@@ -1,4 +1,4 @@
-//! From a parsed command line to the command.
+//! Runs the command of a parsed command line.
 
 use clap::CommandFactory as _;
 use serde_json::json;

@@ -19,13 +19,13 @@ pub struct ServerArgs {
 /// The token of a service.
 #[derive(Debug, Args)]
 pub struct TokenArgs {
-    /// Token of a service; put it into the environment, to keep it secret
+    /// Token of a service; set it in the environment to keep it secret
     #[arg(long, global = true, env = "LTCFORGE_TOKEN", hide_env_values = true, value_name = "URL TOKEN")]
     token: Option<String>,
 }
 
 impl TokenArgs {
-    /// The tokens, `URL TOKEN` each, with `;` between them.
+    /// Parses the tokens: pairs of `URL TOKEN`, separated by `;`.
     pub(super) fn tokens(&self) -> Result<ServerTokens, CommandFailure> {
         let none = Ok(ServerTokens::NONE);
         self.token.as_ref().map_or(none, |text| text.parse().map_err(usage::<ServerTokensError>))

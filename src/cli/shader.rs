@@ -60,7 +60,7 @@ pub struct ShaderArgs {
     /// Isotropic table to embed as polynomials instead of textures
     #[arg(long, value_name = "TABLE", conflicts_with_all = ["layout", "hardware_filter", "texture_array", "two_lobes", "first_binding", "group"])]
     pub without_textures: Option<PathBuf>,
-    /// Table with uneven nodes to read; the code holds the nodes
+    /// Table with uneven nodes to read; the code contains the nodes
     #[arg(long, value_name = "TABLE", conflicts_with_all = ["layout", "without_textures"])]
     pub nodes: Option<PathBuf>,
     /// The folder of tables
@@ -83,7 +83,7 @@ pub struct AdditionArgs {
     /// Add functions that cut lights at the surface (model ltc)
     #[arg(long)]
     pub cut: bool,
-    /// Add the factor that compensates multiple scattering (metals)
+    /// Add the factor that replaces light lost between facets (metals)
     #[arg(long)]
     pub compensate: bool,
     /// Add textured rectangles, with this many texture reads per light
@@ -104,11 +104,11 @@ pub enum ShaderForm {
     Prefilter,
 }
 
-/// Configurations at which a table and its polynomials are measured: so many that a single one hardly matters.
+/// Configurations at which a table and its polynomials are measured: enough that a single one hardly changes the mean.
 const COMPARED_AT: usize = 512;
 
-/// Writes the shader to the file, or to standard output. With `--json` one line
-/// describes the file, or holds the shader's text.
+/// Writes the shader to the file, or to standard output. With `--json`, prints one line that describes the file or
+/// contains the shader's text.
 pub(super) fn run(args: &ShaderArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     if let Some(why) = refusal(args) {
         return Err(usage(why));
@@ -117,7 +117,7 @@ pub(super) fn run(args: &ShaderArgs, context: &mut Context<'_>) -> Result<Exit, 
     if !is_text && args.out.is_none() && (context.json || context.stdout_is_terminal) {
         return Err(usage("SPIR-V is binary: name a file with -o, or redirect standard output"));
     }
-    // A model without the text is reported before a file that cannot be written.
+    // An unsupported model is reported before a file that cannot be written.
     let lit_by = match (args.form, &args.nodes, &args.without_textures) {
         (ShaderForm::Include | ShaderForm::Example, None, None) => Some(lit_by(args)?),
         _ => None,
@@ -145,7 +145,7 @@ pub(super) fn run(args: &ShaderArgs, context: &mut Context<'_>) -> Result<Exit, 
     written.map(|()| Exit::Ok).map_err(|error| CommandFailure::stdout(&error))
 }
 
-/// The light of a text that is not of one table.
+/// The light model of a shader that does not depend on a specific table.
 fn lit_by(args: &ShaderArgs) -> Result<LitBy, CommandFailure> {
     LitBy::new(args.model, args.layout)
         .and_then(|lit_by| lit_by.by_rule(args.rule))
@@ -154,7 +154,7 @@ fn lit_by(args: &ShaderArgs) -> Result<LitBy, CommandFailure> {
         .map_err(usage)
 }
 
-/// The shader, and the description of it.
+/// The shader, and its JSON description.
 fn made(args: &ShaderArgs, lit_by: Option<LitBy>) -> Result<(Vec<u8>, Value), CommandFailure> {
     let language = args.language;
     let text = match (args.form, lit_by) {
@@ -176,7 +176,8 @@ fn made(args: &ShaderArgs, lit_by: Option<LitBy>) -> Result<(Vec<u8>, Value), Co
     Ok((text.into_bytes(), json!({ "language": language.name() })))
 }
 
-/// The text of one table: with its nodes, or as polynomials, whose error and the table's a comment states.
+/// The shader for one table: with its nodes, or as polynomials. A comment in the shader states the error of the
+/// polynomials and of the table.
 fn of_table(args: &ShaderArgs) -> Result<(Vec<u8>, Value), CommandFailure> {
     let language = args.language;
     let name = args.nodes.as_ref().or(args.without_textures.as_ref()).map_or(Path::new(""), PathBuf::as_path);
@@ -209,19 +210,19 @@ fn of_table(args: &ShaderArgs) -> Result<(Vec<u8>, Value), CommandFailure> {
     Ok((text.map_err(failed)?.into_bytes(), value))
 }
 
-/// How the text reads a table.
+/// How the shader reads a table.
 fn reading(args: &ShaderArgs) -> Reading {
     let filter = if args.hardware_filter { Filter::Hardware } else { Filter::Exact };
     let bound = if args.texture_array { Bound::Array } else { Bound::Volumes };
     Reading { filter, bound, two_lobes: args.two_lobes }
 }
 
-/// The lights that the text has functions for.
+/// The lights that the shader has functions for.
 fn lights(args: &ShaderArgs) -> Lights {
     args.lights.unwrap_or(Lights::ALL[0])
 }
 
-/// The names and bindings of a text in the shader that includes it.
+/// The names and bindings of the code in the shader that includes it.
 fn namespace(args: &ShaderArgs) -> Namespace {
     Namespace {
         prefix: args.prefix.clone(),
@@ -230,13 +231,13 @@ fn namespace(args: &ShaderArgs) -> Namespace {
     }
 }
 
-/// The functions that the options add to the text.
+/// The functions that the options add to the shader.
 fn additions(args: &ShaderArgs) -> Additions {
     let AdditionArgs { cut, compensate, textured } = args.additions;
     Additions { cut, compensate, textured }
 }
 
-/// The file of the types of a module of JavaScript; `None` without `--es-module`.
+/// The path of the type declarations of a JavaScript module; `None` without `--es-module`.
 fn types_file(args: &ShaderArgs) -> Result<Option<PathBuf>, CommandFailure> {
     let Some(out) = args.out.as_deref().filter(|_| args.es_module) else {
         return if args.es_module { Err(usage(NO_MODULE)) } else { Ok(None) };
@@ -250,11 +251,11 @@ fn types_file(args: &ShaderArgs) -> Result<Option<PathBuf>, CommandFailure> {
 
 const NO_MODULE: &str = "--es-module needs -o NAME.js or -o NAME.mjs";
 
-/// The reason that the form, the language or the model of a text does not have an option that is given.
+/// Why the form, the language or the model does not support one of the given options.
 fn refusal(args: &ShaderArgs) -> Option<String> {
     let AdditionArgs { cut, compensate, textured } = args.additions;
     let (language, model, form) = (args.language, args.model, args.form);
-    // The flag is true for options of `--as include`.
+    // The second flag is true for options that need `--as include`.
     let options = [
         ("--model", model != LightModel::Ltc, false),
         ("--rule", args.rule.is_some(), false),

@@ -19,7 +19,8 @@ pub struct SourceArgs {
     pub lock: PathBuf,
     /// Service or folder to take tables from; repeatable, in order
     ///
-    /// A folder has files `DIGEST.safetensors`. Without this option, --server or the sources of lock file and configuration
+    /// A folder contains `DIGEST.safetensors` files. Without this option, --server or the sources in lock file and
+    /// configuration
     #[arg(long, value_name = "URL|DIR")]
     pub from: Vec<OsString>,
     /// The service
@@ -28,7 +29,7 @@ pub struct SourceArgs {
     /// Use folders only, no service
     #[arg(long)]
     pub offline: bool,
-    /// The longest table whose size the lock file does not state
+    /// Maximum size of a table whose size the lock file does not state
     #[command(flatten)]
     pub limit: TableLimit,
     /// Maximum entries of a table to fit [default: 2000000]
@@ -39,11 +40,11 @@ pub struct SourceArgs {
     pub threads: Threads,
 }
 
-/// The sources of tables besides those that the lock file names.
+/// The sources of tables that the lock file does not name.
 pub(super) struct Sources {
-    /// From the command line or the environment. If there are any, no others are used.
+    /// From the command line or the environment. If there are any, no other sources are used.
     chosen: Vec<Source>,
-    /// From the configuration file. They come after those of the lock file.
+    /// From the configuration file. They come after the lock file's sources.
     usual: Vec<Source>,
     table_bytes: u64,
     offline: bool,
@@ -59,14 +60,14 @@ impl Sources {
         let tokens = args.server.token.tokens()?;
         let server = args.server.server.as_deref().map(Source::server).transpose()?;
         let usual_server = file.server.as_deref().map(Source::server).transpose()?;
-        // Clap would show a wrong source as it is, with its password.
+        // Clap's error would show an invalid source with its password.
         let from: Vec<Source> = args.from.iter().cloned().map(Source::try_from).collect::<Result<_, _>>()?;
         let chosen = if from.is_empty() { server.into_iter().collect() } else { from };
         let usual = file.sources.iter().cloned().chain(usual_server).collect();
         Ok(Self { chosen, usual, table_bytes: args.limit.table_limit, offline: args.offline, tokens })
     }
 
-    /// The sources of a pin, in order. `own` are those of the pin and then of the lock file, whose folder is `folder`.
+    /// The sources of a pin, in order. `own` has the sources of the pin, then those of the lock file in `folder`.
     pub(super) fn of<'a>(&self, own: impl IntoIterator<Item = &'a Source>, folder: &Path) -> Vec<Source> {
         if !self.chosen.is_empty() {
             return self.chosen.clone();
@@ -76,12 +77,12 @@ impl Sources {
         if all.is_empty() { vec![Source::Server(DEFAULT_SERVER.to_owned())] } else { all }
     }
 
-    /// The sources that the user named for this run. A table that came from one is pinned with them.
+    /// The sources that the user named for this run. A table from a source is pinned with the services among them.
     pub(super) fn chosen(&self) -> &[Source] {
         &self.chosen
     }
 
-    /// Calls `work` with the access to sources.
+    /// Calls `work` with access to sources.
     pub(super) fn with_access<T>(&self, interrupt: &Interrupt, work: impl FnOnce(&Access<'_>) -> T) -> T {
         let Self { table_bytes, offline, ref tokens, .. } = *self;
         work(&Access { table_bytes, offline, tokens, should_stop: &|| interrupt.is_set() })
@@ -97,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn the_command_line_goes_before_the_pin_before_the_configuration() {
+    fn the_command_line_replaces_all_sources_and_pins_precede_the_configuration() {
         let usual = vec![source("cache"), source("http://usual")];
         let mut sources = Sources { chosen: vec![], usual, table_bytes: 9, offline: false, tokens: ServerTokens::NONE };
         let named = |sources: &Sources, own: &[Source]| {

@@ -1,4 +1,4 @@
-//! The files of tables: found by their digests, and checked.
+//! Finds table files by their digests, and checks them.
 
 use std::{
     collections::BTreeMap,
@@ -15,14 +15,15 @@ use ltcforge_files::{
     text::other_form,
 };
 
-/// The folders that are searched for tables by default: the one that `fit` writes to, and the one that the manual uses.
+/// The folders that are searched for tables by default: the output folder of `fit`, and the folder that the manual
+/// uses.
 pub(super) const TABLE_FOLDERS: [&str; 2] = [".", "tables"];
 
-/// The path of a table by its path, its digest, or the first digits of its digest, as `fit` prints it. A digest is
-/// searched in `folder`, or without one in each of [`TABLE_FOLDERS`].
+/// Finds a table by its path, its digest, or the first digits of its digest, which `fit` prints. Returns its path. A
+/// digest is searched for in `folder`, by default in each of [`TABLE_FOLDERS`].
 ///
 /// # Errors
-/// When there is no such table, or several digests have this beginning.
+/// When there is no such table, or several digests begin with these digits.
 pub(super) fn table_path(name: &Path, folder: Option<&Path>) -> Result<PathBuf, CommandFailure> {
     // A name that is not UTF-8 is a path.
     let text = name.to_str().unwrap_or_default();
@@ -52,7 +53,7 @@ pub(super) fn table_path(name: &Path, folder: Option<&Path>) -> Result<PathBuf, 
     let count = found.len();
     let looked_in: Vec<String> = folders.iter().map(|folder| folder.join("").display().to_string()).collect();
     let (places, other) =
-        (looked_in.join(" and "), if folder.is_none() { "; --tables names another folder" } else { "" });
+        (looked_in.join(" and "), if folder.is_none() { "; use --tables to search another folder" } else { "" });
     match found.into_values().next() {
         Some(path) if count == 1 => Ok(path),
         Some(_) => Err(usage(format!("{beginning}: {count} tables in {places} begin with these digits; add more"))),
@@ -62,11 +63,11 @@ pub(super) fn table_path(name: &Path, folder: Option<&Path>) -> Result<PathBuf, 
     }
 }
 
-/// The most bytes of a file that are read before its header states the length of the table.
+/// Maximum number of bytes to read before the header states the length of the table.
 const BEGINNING: u64 = 1 << 20;
 
-/// The bytes of a table's file of at most `limit_bytes`. The header is read first. If it is not a table's, the rest is
-/// not read, and no file is read beyond the length that its header states.
+/// Reads a table file of at most `limit_bytes`. After [`BEGINNING`] bytes, reading stops unless they begin with a
+/// table's header, which then states how many bytes to read.
 ///
 /// # Errors
 /// When the file cannot be read, is too long, or is not a table.
@@ -90,8 +91,7 @@ pub(super) fn read(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, CommandFail
     Ok(bytes)
 }
 
-/// The table of a file, after checks: it is well formed, and hashes to `expected`, or else to the digest in its name if
-/// there is one.
+/// Checks and decodes a table file. It must hash to `expected`, or else to the digest in its name, if there is one.
 pub(super) fn check(
     path: &Path,
     bytes: &[u8],

@@ -1,4 +1,5 @@
-//! Tabulated BRDFs on the command line: their files beside recipes and tables, and `tabulate`, which writes one.
+//! Tabulated BRDFs on the command line: their files next to recipes and tables, and `tabulate`, which writes a BRDF
+//! file.
 
 use std::{
     cell::RefCell,
@@ -33,7 +34,7 @@ pub struct TabulateArgs {
     /// Output file
     #[arg(short, long, value_name = "FILE")]
     pub out: PathBuf,
-    /// Roughnesses, ascending [default: 1 alone]
+    /// Roughnesses, ascending [default: 1]
     #[arg(long, value_name = "ALPHA,...", value_delimiter = ',')]
     pub alpha: Vec<f64>,
     /// Ratios of roughnesses, ascending, for an anisotropic BRDF
@@ -50,24 +51,25 @@ pub struct TabulateArgs {
     pub phi: u16,
 }
 
-/// A model that needs no file, by its name.
+/// A parser for the names of models that need no file.
 fn formulas() -> impl TypedValueParser<Value = BrdfKind> {
     PossibleValuesParser::new(BrdfKind::formulas().map(BrdfKind::name))
-        .try_map(|name| BrdfKind::from_name(&name).ok_or("no model"))
+        .try_map(|name| BrdfKind::from_name(&name).ok_or("unknown model"))
 }
 
-/// The folders that are searched for files that `name`, a recipe or a table, needs: its own, and those of tables.
+/// The folders to search for files that the recipe or table `name` needs: its own folder, and the table folders.
 fn folders(name: &Path) -> Vec<PathBuf> {
-    let beside = name.parent().filter(|folder| !folder.as_os_str().is_empty()).map(Path::to_owned);
-    let mut all: Vec<PathBuf> = beside.into_iter().collect();
+    let own = name.parent().filter(|folder| !folder.as_os_str().is_empty()).map(Path::to_owned);
+    let mut all: Vec<PathBuf> = own.into_iter().collect();
     all.extend(TABLE_FOLDERS.map(PathBuf::from));
     all
 }
 
-/// The recipe in `document`, which comes from `name`, with the file of a tabulated BRDF and that file's bytes.
+/// Parses the recipe in `document`, which was read from `name`. Also returns the bytes of its tabulated BRDF, if it has
+/// one.
 ///
 /// # Errors
-/// All faults of the recipe, and of the file.
+/// All faults of the recipe and of the BRDF file.
 pub(super) fn recipe(
     name: &Path,
     document: &[u8],
@@ -85,11 +87,11 @@ pub(super) fn recipe(
     Ok((recipe, kept.into_inner()))
 }
 
-/// The document after the file of a tabulated BRDF, if the document names one by its path, was sent to the server. The
-/// server checks the rest of the document.
+/// If the document names the file of a tabulated BRDF by its path, sends the file to the server and returns the
+/// document with the file's digest. The server checks the rest of the document.
 ///
 /// # Errors
-/// All faults of the file, and those of the server.
+/// All faults of the file, and the server's errors.
 pub(super) fn uploaded(name: &Path, document: Vec<u8>, client: &Client) -> Result<Vec<u8>, CommandFailure> {
     let Ok(mut recipe) = serde_json::from_slice::<Value>(&document) else { return Ok(document) };
     let Some(field) = recipe.get_mut("tabulated") else { return Ok(document) };
@@ -103,15 +105,14 @@ pub(super) fn uploaded(name: &Path, document: Vec<u8>, client: &Client) -> Resul
     Ok(recipe.to_string().into_bytes())
 }
 
-/// Gives a table the file of its tabulated BRDF, if it has one and the file is there. [`check_complete`] refuses a
-/// table that lacks its file.
+/// Finds the file of a table's tabulated BRDF and attaches it. [`check_complete`] rejects a table that lacks its file.
 pub(super) fn attach(file: &mut TableFile, path: &Path) {
     let folders = folders(path);
-    // A file that cannot be read is an error only if it is needed.
+    // A file that cannot be read is an error only if the file is needed.
     let _ = file.find_brdf(&|name| Ok(locate(&folders, name)?.file));
 }
 
-/// Refuses a table whose scattering model cannot be evaluated.
+/// Rejects a table whose scattering model cannot be evaluated.
 ///
 /// # Errors
 /// The file that is missing, and the folders that were searched.
@@ -120,13 +121,13 @@ pub(super) fn check_complete(table: &Table, path: &Path) -> Result<(), CommandFa
     let (kept, folders) = (kept_name(file.digest()), folders(path));
     let faults = locate(&folders, &file.to_string()).err().unwrap_or_default().join("; ");
     let reason = format!(
-        "the table is of a tabulated BRDF, and its errors are measured with that: {faults}; put the file there, under \
+        "measuring the table needs its tabulated BRDF: {faults}; put the BRDF file into one of these folders, under \
          the name {kept}"
     );
     Err(file_failure(path, &reason))
 }
 
-/// Writes a model that has formulas as a tabulated BRDF.
+/// Writes a BRDF file with samples of a model that has formulas.
 pub(super) fn run(args: &TabulateArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let out = OutputFile::check(&args.out)?;
     let axes = TabulatedAxes::spread(args.alpha.clone(), args.theta, args.phi);

@@ -1,4 +1,4 @@
-//! `tradeoff`: measures the accuracy that speed and size cost.
+//! `tradeoff`: measures accuracy against fitting time and size.
 
 use std::{
     fmt::Write as _,
@@ -27,7 +27,7 @@ use ltcforge_view::tradeoff::{
 pub struct TradeoffArgs {
     /// Recipe to vary: a file, `-`, or a preset's name [default: paper]
     ///
-    /// The family keeps its ranges, terms, seed and solver, and varies layout, resolution and precision
+    /// The family of recipes shares its ranges, terms, seed and solver, and varies layout, resolution and precision
     #[arg(long, value_name = "RECIPE")]
     pub recipe: Option<PathBuf>,
     /// Fit only the presets and a few recipes around them
@@ -133,8 +133,8 @@ pub(super) fn processor_seconds() -> f64 {
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
 
-/// Wall time of each thread of the pool, where the system gives no processor time: idle threads and other
-/// processes count too.
+/// Wall time multiplied by the number of threads, because the system reports no processor time. It includes idle
+/// threads and other processes.
 #[cfg(not(unix))]
 pub(super) fn processor_seconds() -> f64 {
     static START: std::sync::LazyLock<Instant> = std::sync::LazyLock::new(Instant::now);

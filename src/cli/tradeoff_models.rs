@@ -14,11 +14,11 @@ use ltcforge_view::{
 pub(super) struct FittedTable {
     pub(super) recipe: Recipe,
     pub(super) table: Table,
-    /// Processor time of the fit over the number of threads.
+    /// Processor time of the fit, divided by the number of threads.
     pub(super) fit_seconds: f64,
 }
 
-/// The lights by which tables and models are measured, within the ranges of a family. Runs on the current rayon pool.
+/// The random lights that measure tables and models, within the ranges of a family. Runs on the current rayon pool.
 pub(super) fn lights(base: &Recipe) -> Result<RandomLights, CommandFailure> {
     RandomLights::draw(&base.brdf, &base.range, LIGHTS).map_err(failed)
 }
@@ -28,9 +28,9 @@ pub(super) fn error(model: Lighting<'_>, lights: &RandomLights) -> Result<Spread
     light_error(model, lights).map_err(failed)
 }
 
-/// The models, each by the same lights. Runs on the current rayon pool.
+/// Measures the models with the same lights. Runs on the current rayon pool.
 pub(super) fn measure(tables: &[FittedTable], lights: &RandomLights) -> Result<ModelRows, CommandFailure> {
-    // Rules without a shader have no costs.
+    // Rules without a shader have no known costs.
     let has_shader = |form: &ClosedForm| form.chosen_rule().is_none_or(|rule| NormalsRule::SHADED.contains(&rule));
     let forms = LightModel::ALL.iter().flat_map(|model| model.closed_forms()).filter(has_shader);
     let by_table = tables.iter().map(|fitted| by_table(fitted, lights));

@@ -1,4 +1,4 @@
-//! Values of options that several commands have: threads, other numbers with a greatest value, and names.
+//! Option values that several commands share: threads, numbers with a maximum, and names.
 
 use std::{num::NonZeroUsize, str::FromStr, thread};
 
@@ -24,10 +24,10 @@ impl Threads {
         self.threads.map_or_else(cores, ThreadCount::count)
     }
 
-    /// A pool of them.
+    /// A pool with this number of threads.
     ///
     /// # Errors
-    /// When the system has no more threads.
+    /// When the system cannot start the threads.
     pub(crate) fn pool(self) -> Result<rayon::ThreadPool, CommandFailure> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(self.count().get()).build();
         pool.map_err(failed)
@@ -39,7 +39,7 @@ impl Threads {
 #[serde(try_from = "u64")]
 pub struct UpTo<const MOST: u64>(pub(crate) u64);
 
-/// Threads of a command: more only slow each other down, and thousands can make a machine unusable.
+/// Threads of a command. More than 512 only slow each other down, and thousands can make a machine unusable.
 pub(crate) type ThreadCount = UpTo<512>;
 
 impl<const MOST: u64> TryFrom<u64> for UpTo<MOST> {
@@ -71,11 +71,11 @@ pub(crate) fn cores() -> NonZeroUsize {
     thread::available_parallelism().unwrap_or(NonZeroUsize::MIN)
 }
 
-/// An item of a list by its name.
+/// A parser that turns a name into the list item with this name.
 pub(crate) fn named<T: Copy + Send + Sync + 'static>(
     all: &'static [T],
     name: fn(T) -> &'static str,
 ) -> impl TypedValueParser<Value = T> {
-    let named = move |text: String| all.iter().copied().find(|item| name(*item) == text).ok_or("no such name");
+    let named = move |text: String| all.iter().copied().find(|item| name(*item) == text).ok_or("unknown name");
     PossibleValuesParser::new(all.iter().map(move |item| name(*item))).try_map(named)
 }

@@ -1,5 +1,5 @@
-//! `verify`: checks that files are tables and have the right digests, and that they are what their recipes give; and
-//! folders of files that are named by their digests.
+//! `verify`: checks that tables and exports have the right digests and match their recipes, and that the files of a
+//! data folder match their names.
 
 use std::{
     fs, io,
@@ -22,8 +22,9 @@ use ltcforge_files::{container::TableFile, digest::Digest, recipe_document, tabu
 pub struct VerifyArgs {
     /// Tables, exports, data folders, or URLs of tables
     ///
-    /// A table is a file, the first digits of a digest in --tables, or `http://HOST/v1/tables/sha256:DIGEST`. A folder was
-    /// written by `export`, or is the data folder of a service or a copy of it. A file named by a digest must have it
+    /// A table is a file, the first digits of a digest in --tables, or `http://HOST/v1/tables/sha256:DIGEST`. A folder
+    /// is an export, or a service's data folder or a copy of it. A file with a digest as its name must match that
+    /// digest
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
     /// The folder of tables
@@ -46,7 +47,7 @@ pub struct VerifyArgs {
     pub token: TokenArgs,
 }
 
-/// Checks everything that is named. The first that fails decides the exit code.
+/// Checks all given files. The first failure decides the exit code.
 pub(super) fn run(args: &VerifyArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let tokens = &args.token.tokens()?;
     let mut failures: Vec<CommandFailure> = Vec::new();
@@ -79,7 +80,7 @@ pub(super) fn run(args: &VerifyArgs, context: &mut Context<'_>) -> Result<Exit, 
     all_of(failures).map(|()| Exit::Ok)
 }
 
-/// One failure of several, with the exit code of the first.
+/// Combines several failures into one, with the exit code of the first.
 fn all_of(failures: Vec<CommandFailure>) -> Result<(), CommandFailure> {
     let Some(exit) = failures.first().map(|first| first.exit) else { return Ok(()) };
     let lines: Vec<String> = failures.into_iter().map(|failure| failure.message).collect();
@@ -87,9 +88,9 @@ fn all_of(failures: Vec<CommandFailure>) -> Result<(), CommandFailure> {
 }
 
 enum Found {
-    /// A table, or files of one.
+    /// A table, or the files of an export.
     Table(Digest),
-    /// The number of files that are named by their digests.
+    /// The number of files in a data folder.
     Blobs(u64),
 }
 
@@ -133,10 +134,10 @@ fn check_one(
 }
 
 /// Checks that each blob in the data folder of a service, or in a copy of its `blobs`, hashes to its name. A blob is
-/// `ab/ab12...`; other names are ignored. Returns the number of blobs.
+/// `ab/ab12...`; files with other names are ignored. Returns the number of blobs.
 ///
 /// # Errors
-/// Every file that has other bytes or cannot be read, and a folder without any blob.
+/// Every file that has other bytes or cannot be read, and a folder without blobs.
 fn blobs(folder: &Path, access: &Access<'_>) -> Result<u64, CommandFailure> {
     let inside = folder.join("blobs");
     let folder = if inside.is_dir() { &inside } else { folder };
@@ -161,7 +162,7 @@ fn blobs(folder: &Path, access: &Access<'_>) -> Result<u64, CommandFailure> {
             count += 1;
             match digest_of_file(&path) {
                 Ok((actual, _)) if actual != expected => {
-                    failures.push(mismatch(&path, format!("the file has digest {actual}, not the one in its name")));
+                    failures.push(mismatch(&path, format!("the file has digest {actual}, not the digest in its name")));
                 }
                 Ok(_) if name.starts_with(&text(&beginning)) => {}
                 Ok(_) => failures.push(mismatch(&path, format!("the file belongs in the folder {}", &name[..2]))),
@@ -177,8 +178,8 @@ fn blobs(folder: &Path, access: &Access<'_>) -> Result<u64, CommandFailure> {
     Ok(count)
 }
 
-/// Checks the table at a URL of a service, `http://HOST/v1/tables/sha256:DIGEST`: the bytes must be those of the digest. A
-/// tabulated BRDF that a refit needs comes from there too.
+/// Checks the table at a URL of a service, `http://HOST/v1/tables/sha256:DIGEST`. The bytes must match the digest. If a
+/// refit needs a tabulated BRDF, it is downloaded from the same service.
 fn served(url: &str, access: &Access<'_>, fitting: Option<&Fitting<'_>>) -> Result<Digest, CommandFailure> {
     let parts = url.split_once("/v1/tables/").and_then(|(base, digest)| Some((base, digest.parse::<Digest>().ok()?)));
     let Some((base, digest)) = parts else {
@@ -197,16 +198,16 @@ fn served(url: &str, access: &Access<'_>, fitting: Option<&Fitting<'_>>) -> Resu
     refitted(name, &folder.path().join("table"), table, fitting)
 }
 
-/// The digest of a table. With `fitting`, its recipe is fitted again and must give the table's bytes; what it needs lies in
-/// the folder of `beside`.
+/// Returns the digest of a table. With `fitting`, fits the recipe again and compares the bytes. Files that the recipe
+/// needs are in the folder of `at`.
 fn refitted(
     path: &Path,
-    beside: &Path,
+    at: &Path,
     (digest, file): (Digest, TableFile),
     fitting: Option<&Fitting<'_>>,
 ) -> Result<Digest, CommandFailure> {
     let Some(fitting) = fitting else { return Ok(digest) };
-    let recipe = fitting.recipe(beside, recipe_document::canonical_json(&file.recipe).as_bytes())?;
+    let recipe = fitting.recipe(at, recipe_document::canonical_json(&file.recipe).as_bytes())?;
     let actual = Digest::of(&fitting.fit(&recipe)?);
     if actual == digest {
         return Ok(digest);
@@ -225,7 +226,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_name_that_is_a_digest_is_a_promise() {
+    fn a_file_named_by_a_digest_must_match_it() {
         let hex = Digest::of(b"abc").hex();
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join(format!("{hex}.safetensors"));

@@ -1,4 +1,4 @@
-//! `verify` of the files of an export: against their manifest, and exported again from its recipe.
+//! `verify` for the files of an export: compares them with their manifest, and with a new export of the recipe.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -9,7 +9,7 @@ use super::{CommandFailure, Fitting, exit, file_failure};
 use ltcforge_files::{bounded::read_file, container::TableFile, digest::Digest};
 use ltcforge_textures::{Export, MANIFEST, UnknownExport};
 
-/// The longest manifest that is read.
+/// Maximum size of a manifest.
 const MANIFEST_LIMIT: u64 = 4 << 20;
 
 /// The part of `ltcforge.json` that is checked here.
@@ -30,7 +30,7 @@ struct Listed {
     sha256: String,
 }
 
-/// The manifest of an export, by its own name or by its folder.
+/// The manifest of an export, from the manifest's path or its folder.
 pub(super) fn manifest_of(name: &Path) -> Option<PathBuf> {
     if name.is_dir() {
         return Some(name.join(MANIFEST));
@@ -38,11 +38,11 @@ pub(super) fn manifest_of(name: &Path) -> Option<PathBuf> {
     name.file_name().is_some_and(|name| name == MANIFEST).then(|| name.to_owned())
 }
 
-/// Checks that all files of an export are there with the bytes that their manifest states; with `fitting` also that its recipe
-/// gives a table of which these files are made, the manifest too. Returns the table's digest.
+/// Checks that all files of an export have the bytes that the manifest states. With `fitting`, also fits the recipe,
+/// exports the table again, and compares all files and the manifest. Returns the table's digest.
 ///
 /// # Errors
-/// When a file cannot be read or has other bytes, when the manifest cannot be read as one, and when it lacks a recipe to fit.
+/// When a file cannot be read or has other bytes, or when the manifest is invalid or lacks a recipe to fit.
 pub(super) fn check(
     manifest: &Path,
     limit_bytes: u64,
@@ -53,7 +53,7 @@ pub(super) fn check(
     let read: Manifest =
         serde_json::from_slice(&text).map_err(|error| mismatch(&format!("not a manifest of an export: {error}")))?;
     let table = read.about.iter().find_map(|line| line.strip_prefix("table ")?.parse::<Digest>().ok());
-    let table = table.ok_or_else(|| mismatch("it does not name a table"))?;
+    let table = table.ok_or_else(|| mismatch("the manifest does not name a table"))?;
     let folder = manifest.parent().unwrap_or(Path::new(""));
     let mut here = vec![(PathBuf::from(MANIFEST), text)];
     for Listed { path, bytes, sha256 } in &read.files {
@@ -78,7 +78,7 @@ pub(super) fn check(
     if fitted != table {
         return Err(mismatch(&format!("the files belong to table {table}, but fitting their recipe gives {fitted}")));
     }
-    let name = read.engine.or(read.export).ok_or_else(|| mismatch("it does not name an export"))?;
+    let name = read.engine.or(read.export).ok_or_else(|| mismatch("the manifest does not name an export"))?;
     let export: Export = name.parse().map_err(|error: UnknownExport| mismatch(&error.to_string()))?;
     let file = TableFile::from_bytes(&bytes).map_err(|error| mismatch(&error.to_string()))?;
     let made_by = read.about.first().map(String::as_str).unwrap_or_default();

@@ -6,11 +6,11 @@ use ureq::http::Uri;
 
 use super::{ClientError, error::bad_url};
 
-/// The URL of a server.
+/// Parses the URL of a server.
 pub(super) fn parse_base(base: &str) -> Result<Uri, ClientError> {
-    // A password may have a slash that should be encoded, so an @ in what looks like the path counts too.
+    // An `@` counts even in the apparent path, because a password may contain a slash that should be encoded.
     if base.contains("://") && base.contains('@') {
-        let reason = "the URL has a user or a password, and the client sends neither: leave them out";
+        let reason = "the URL has a user or a password, which the client does not send: leave them out";
         return Err(bad_url(base, reason));
     }
     let is_server = |uri: &Uri| {
@@ -19,17 +19,17 @@ pub(super) fn parse_base(base: &str) -> Result<Uri, ClientError> {
     let Some(uri) = base.parse().ok().filter(is_server) else {
         return Err(bad_url(base, "this is not the URL of a server, such as http://127.0.0.1:8317"));
     };
-    // `Uri` reads a port beyond 16 bits as no port.
+    // `Uri` ignores a port above 65535, so the port is checked here.
     let authority = uri.authority().map_or("", ureq::http::uri::Authority::as_str);
     match authority.strip_prefix(uri.host().unwrap_or_default()).and_then(|rest| rest.strip_prefix(':')) {
         Some(port) if !port.is_empty() && !port.parse::<u16>().is_ok_and(|port| port > 0) => {
-            Err(bad_url(base, "a port is a number from 1 to 65535"))
+            Err(bad_url(base, "the port must be a number from 1 to 65535"))
         }
         _ => Ok(uri),
     }
 }
 
-/// Whether a server is on this machine. A proxy cannot reach it then.
+/// Whether a server is on this machine. A proxy cannot reach such a server.
 pub(super) fn is_this_machine(uri: &Uri) -> bool {
     let host = uri.host().unwrap_or_default();
     let address = host.trim_start_matches('[').trim_end_matches(']').parse();
@@ -56,12 +56,12 @@ mod tests {
     }
 
     #[test]
-    fn a_port_is_a_number_of_16_bits_and_never_another() {
+    fn a_port_is_a_number_of_16_bits() {
         for host in ["127.0.0.1", "[::1]", "h"] {
             for port in ["0", "65536", "99999", "4294967376", "18446744073709551696"] {
                 let refused = parse_base(&format!("http://{host}:{port}/ltc")).expect_err(port);
                 assert!(
-                    refused.to_string().ends_with(&format!(":{port}/ltc: a port is a number from 1 to 65535")),
+                    refused.to_string().ends_with(&format!(":{port}/ltc: the port must be a number from 1 to 65535")),
                     "{refused}"
                 );
             }

@@ -5,17 +5,17 @@ use std::io::{self, Read, Write};
 use super::{ClientError, ServerTokens};
 use ltcforge_files::digest::{Digest, Hasher};
 
-/// The longest table of unknown size, unless the user sets another limit.
+/// Maximum size of a table whose size is unknown, unless the user sets another limit.
 pub const TABLE_BYTES: u64 = 1 << 30;
 
 /// A file to request from sources.
 #[derive(Debug, Clone)]
 pub struct Wanted {
-    /// Its digest.
+    /// The digest of the file.
     pub digest: Digest,
-    /// Its size, if the lock file states it.
+    /// The size of the file, if the lock file states it.
     pub stated_bytes: Option<u64>,
-    /// Its path on a server.
+    /// The path of the file on a server.
     pub path: String,
 }
 
@@ -30,17 +30,17 @@ impl Wanted {
 /// The settings for access to sources.
 #[derive(Clone, Copy)]
 pub struct Access<'a> {
-    /// The longest file whose size is not stated.
+    /// Maximum size of a file if the lock file does not state its size.
     pub table_bytes: u64,
-    /// Send no request to a server.
+    /// Whether requests to servers are forbidden.
     pub offline: bool,
-    /// Tokens of servers.
+    /// The tokens for servers.
     pub tokens: &'a ServerTokens,
     /// Called repeatedly while a file arrives.
     pub should_stop: &'a dyn Fn() -> bool,
 }
 
-/// The reason that no source delivered a file.
+/// Why no source delivered a file.
 #[derive(Debug, thiserror::Error)]
 pub enum SourcesError {
     /// No source has the file. The errors are in the order of the sources.
@@ -50,7 +50,7 @@ pub enum SourcesError {
     #[error(transparent)]
     Write(#[from] io::Error),
     /// The user stopped the download.
-    #[error("it was stopped")]
+    #[error("the download was stopped")]
     Stopped,
 }
 
@@ -62,16 +62,16 @@ impl From<ClientError> for SourcesError {
 
 fn list(errors: &[ClientError]) -> String {
     if errors.is_empty() {
-        return "there is no source to get it from".to_owned();
+        return "there is no source for the file".to_owned();
     }
     errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
 }
 
-/// Copies the wanted file, which `from` reads at `place`, to `sink`, and checks its size and its hash. `failed` makes
-/// the error of a read.
+/// Copies the wanted file from a reader at `place` to `sink`, and checks its size and hash. `failed` turns a read error
+/// into a `ClientError`.
 ///
 /// # Errors
-/// The bytes that are in `sink` by then must not be used.
+/// After an error, the bytes in `sink` must not be used.
 pub(super) fn copy(
     (place, mut from): (&str, impl Read),
     Wanted { digest: expected, stated_bytes, .. }: &Wanted,

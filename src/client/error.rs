@@ -7,7 +7,7 @@ use ltcforge_files::{digest::Digest, recipe_document::Fault};
 /// A failed request. Every variant names the URL, or the file in a folder of tables.
 #[derive(Debug, thiserror::Error)]
 pub enum ClientError {
-    /// The text is not the URL of a server, or not a source.
+    /// The text is neither the URL of a server nor a source.
     #[error("{text}: {reason}")]
     BadUrl {
         /// The text, without a password.
@@ -23,7 +23,7 @@ pub enum ClientError {
         /// The system's error.
         reason: String,
     },
-    /// No service answers at this URL, or it says that it is unavailable.
+    /// No service answers at this URL, or the service says that it is unavailable.
     #[error("{url}: the server is unavailable: {reason}")]
     Unavailable {
         /// The requested URL.
@@ -48,11 +48,11 @@ pub enum ClientError {
     Unexpected {
         /// The requested URL.
         url: String,
-        /// The fault of the response.
+        /// Why the response is not expected.
         reason: String,
     },
     /// The file is longer than the client's limit.
-    #[error("{url}: the file is longer than {limit_bytes} bytes, the limit for tables; --table-limit sets another")]
+    #[error("{url}: the file is longer than {limit_bytes} bytes, the limit for tables; --table-limit sets the limit")]
     TooLong {
         /// The requested URL.
         url: String,
@@ -68,11 +68,11 @@ pub enum ClientError {
         stated_bytes: u64,
     },
     /// The file is shorter than the lock file states.
-    #[error("{url}: it has {bytes} bytes, the lock file states {stated_bytes}")]
+    #[error("{url}: the file has {bytes} bytes, but the lock file states {stated_bytes}")]
     TooShort {
         /// The requested URL.
         url: String,
-        /// Its length.
+        /// The length of the file.
         bytes: u64,
         /// The pinned length.
         stated_bytes: u64,
@@ -89,7 +89,7 @@ pub enum ClientError {
     },
 }
 
-/// The part of a problem document that the client reads. It is empty if a proxy's page came instead.
+/// The part of a problem document that the client reads. It is empty if a proxy sent its own page instead.
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct ProblemDocument {
     #[serde(default, deserialize_with = "printable_text")]
@@ -98,8 +98,8 @@ pub(super) struct ProblemDocument {
     pub(super) errors: Vec<Fault>,
 }
 
-/// A text with `***` in place of the user and the password of each URL. A password may have characters that should be
-/// encoded in a URL, so that it ends at the last `@` of a line.
+/// Replaces the user and the password of each URL with `***`. A password may contain characters that should be encoded
+/// in a URL, so it ends at the last `@` of a line.
 #[must_use]
 pub fn without_passwords(text: &str) -> String {
     let mut parts = text.split("://");
@@ -115,20 +115,20 @@ pub fn without_passwords(text: &str) -> String {
     shown
 }
 
-/// The error of a text that is not a URL or a source. It shows no password.
+/// The error for a text that is not a URL or a source. The error shows no password.
 pub(super) fn bad_url(text: &str, reason: &'static str) -> ClientError {
     ClientError::BadUrl { text: without_passwords(&text.escape_debug().to_string()), reason }
 }
 
-/// Whether a character prints nothing or changes the text around it: control characters, marks of a text's direction,
-/// and line breaks.
+/// Whether a character prints nothing or changes the text around it: control characters, marks of text direction, and
+/// line breaks.
 pub(super) fn is_hidden(c: char) -> bool {
     c.is_control()
         || matches!(c, '\u{61c}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
 }
 
-/// A server's text, made safe for a terminal: blanks replace line breaks and other white space, and U+FFFD replaces all
-/// other characters that do not print, such as the one that begins a terminal's escape sequence.
+/// Makes a server's text safe for a terminal: blanks replace line breaks and other white space, and U+FFFD replaces all
+/// other characters that do not print, such as the start of an escape sequence.
 pub(super) fn printable(text: &str) -> String {
     let shown = |c: char| match c {
         _ if !is_hidden(c) => c,
@@ -145,7 +145,7 @@ fn printable_text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, 
 impl ClientError {
     /// The error of a request that got no response.
     pub(super) fn transport(url: &str, error: &ureq::Error) -> Self {
-        // The error may name a proxy.
+        // The error may contain the URL of a proxy, with its password.
         let (url, reason) = (url.to_owned(), without_passwords(&error.to_string()));
         match error {
             ureq::Error::Io(error) if error.kind() == std::io::ErrorKind::FileTooLarge => {
@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_server_says_sends_nothing_to_the_terminal() {
+    fn a_message_of_a_server_cannot_control_the_terminal() {
         let body =
             br#"{"detail":"a\u001b[2Jb\u009bc\r\nd\u202ee","errors":[{"pointer":"/\u001b","detail":"\u0007e"}]}"#;
         let error = ClientError::status("u", 422, body);

@@ -1,13 +1,13 @@
-//! Changes that Git makes to pinned files: other line ends, and pointers of Git LFS.
+//! Changes that Git makes to pinned files: other line endings, and Git LFS pointers.
 
 use std::{fs, path::Path};
 
 use ltcforge_files::{bounded::read_file, digest::Digest, replace::folder_of, text::other_form};
 
-/// The longest file that is looked at for what Git changed.
+/// Maximum size of a file that is checked for changes by Git.
 const LIMIT_BYTES: u64 = 256 << 20;
 
-/// Why the file at `path` below `folder` does not have its pinned digest, where Git is to blame, and what to do.
+/// Describes how Git changed the file at `path` below `folder`, and what to do. `None` if Git is not the cause.
 #[must_use]
 pub fn change_of_git(path: &Path, digest: Digest, folder: &Path) -> Option<String> {
     let bytes = read_file(&folder.join(path), LIMIT_BYTES).ok()?;
@@ -22,17 +22,15 @@ pub fn change_of_git(path: &Path, digest: Digest, folder: &Path) -> Option<Strin
     }
     (before.len() < bytes.len() && Digest::of(&before) == digest).then(|| {
         let line = attribute_of(path);
-        format!(
-            "its line ends were changed, as Git does with core.autocrlf: the line «{line}» in .gitattributes keeps them"
-        )
+        format!("Git changed the line endings (core.autocrlf): add the line «{line}» to .gitattributes")
     })
 }
 
-/// The lines of `.gitattributes` in the lock file's `folder` that keep Git from changing line ends of these files, by
-/// path and bytes, and that are not there. None outside of a checkout.
+/// The lines to add to `.gitattributes` in the lock file's `folder`, so that Git keeps the line endings of these files.
+/// Each file is a path and its bytes. The list is empty outside of a checkout.
 #[must_use]
 pub fn missing_attributes<'a>(files: impl Iterator<Item = (&'a Path, &'a [u8])>, folder: &Path) -> Vec<String> {
-    /// As many bytes as Git looks at.
+    /// Git checks this many bytes to decide whether a file is text.
     const BEGINNING: usize = 8000;
     let Ok(root) = fs::canonicalize(folder_of(&folder.join("lock"))) else { return vec![] };
     if !root.ancestors().any(|folder| folder.join(".git").exists()) {
@@ -47,12 +45,13 @@ pub fn missing_attributes<'a>(files: impl Iterator<Item = (&'a Path, &'a [u8])>,
 
 /// The line that keeps Git from changing one file.
 fn attribute_of(path: &Path) -> String {
-    // Git takes a bracket for a pattern, and a blank for the end of the path.
+    // Git reads a bracket as a pattern, and a blank as the end of the path.
     let pattern = format!("/{}", super::pin::plain(path).display()).replace('[', "[[]");
     if pattern.contains(' ') { format!("\"{pattern}\" -text") } else { format!("{pattern} -text") }
 }
 
-/// Whether a line of `.gitattributes` keeps Git from changing a file: one of [`attribute_of`], or a common pattern.
+/// Whether a line of `.gitattributes` keeps Git from changing a file: the line of [`attribute_of`], or a common
+/// pattern.
 fn is_kept_by(line: &str, path: &Path) -> bool {
     let line = line.trim();
     if line == attribute_of(path) {
@@ -75,7 +74,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn line_ends_that_git_changed_are_told_from_other_changes() {
+    fn line_endings_that_git_changed_are_recognised() {
         let folder = tempfile::tempdir().expect("a folder");
         let digest = Digest::of(b"a\nb\n");
         let cause = |bytes: &[u8]| {
@@ -91,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_of_attributes_are_named_once_and_in_a_checkout_only() {
+    fn missing_attributes_are_listed_once_and_only_in_a_checkout() {
         let folder = tempfile::tempdir().expect("a folder");
         let project = folder.path().join("project");
         fs::create_dir(&project).expect("a folder");

@@ -9,17 +9,17 @@ use std::{
 
 use ltcforge_files::digest::Digest;
 
-/// The right to change the lock files of a folder. The system takes it back when it is dropped or its process ends.
+/// The exclusive right to change the lock files of a folder. It ends when the guard is dropped or the process ends.
 #[derive(Debug)]
 pub struct Guard {
     _file: File,
 }
 
 impl Guard {
-    /// Waits until no other process has the right. If another process has it, `on_wait` is called first.
+    /// Waits until no other process has the right. If the guard has to wait, `on_wait` is called first.
     ///
     /// # Errors
-    /// When the folder is missing, or the system cannot lock any file for it.
+    /// When the folder is missing, or the system cannot lock a file for it.
     pub fn of(folder: &Path, on_wait: impl FnOnce()) -> io::Result<Self> {
         let mut on_wait = Some(on_wait);
         let mut locked = |file: File| match file.try_lock() {
@@ -27,7 +27,7 @@ impl Guard {
             Err(fs::TryLockError::WouldBlock) => {
                 on_wait.take().into_iter().for_each(|on_wait| on_wait());
                 while let Err(error) = file.lock() {
-                    // A signal came.
+                    // A signal interrupted the wait.
                     if error.kind() != io::ErrorKind::Interrupted {
                         return Err(error);
                     }

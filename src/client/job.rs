@@ -16,24 +16,24 @@ pub struct JobProgress {
     pub entries_done: u64,
     /// Entries of the table.
     pub entries_total: u64,
-    /// The expected time to the end.
+    /// The expected seconds until the job ends.
     pub seconds_left: Option<f64>,
 }
 
-/// The part of a job that the client reads. It ignores fields that later services add.
+/// The part of a job that the client reads. The client ignores fields that newer services add.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct JobStatus {
-    /// Its id.
+    /// The id of the job.
     pub id: JobId,
-    /// Its state.
+    /// The state of the job.
     pub state: StateName,
-    /// Its progress.
+    /// The progress of the job.
     pub progress: JobProgress,
     /// The highest attempt number among its shards.
     pub attempts: u32,
     /// The table of a job that is done.
     pub table: Option<Digest>,
-    /// The reason that it failed.
+    /// The reason that the job failed.
     #[serde(default, deserialize_with = "detail_of_problem")]
     pub error: Option<String>,
 }
@@ -51,7 +51,7 @@ impl JobDocument {
     /// Reads the document of a job.
     ///
     /// # Errors
-    /// When the document is not a job's.
+    /// When the document is not a job.
     pub fn parse(json: Value) -> Result<Self, serde_json::Error> {
         Ok(Self { status: JobStatus::deserialize(&json)?, json })
     }
@@ -91,7 +91,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn what_is_not_a_job_is_an_error() {
+    fn a_document_that_is_not_a_job_is_an_error() {
         assert!(JobDocument::parse(document("asleep")).is_err());
         assert!(JobDocument::parse(Value::Null).is_err());
     }

@@ -1,7 +1,7 @@
-//! The REST client, and the lock file by which a project pins its tables.
+//! The REST client, and the lock file that pins the tables of a project.
 //!
-//! Invariant: `client` fits nothing and opens no store, and uses a download only after checking its hash. It reads no
-//! answer beyond a limit of bytes and time, and writes nothing outside the lock file's folder.
+//! Invariant: `client` fits nothing, opens no store, and uses a download only after checking its hash. Every response
+//! is limited in bytes and time. `client` writes nothing outside the lock file's folder.
 
 mod base;
 mod download;

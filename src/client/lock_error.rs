@@ -5,28 +5,28 @@ use std::io;
 use super::error::without_passwords;
 use ltcforge_files::{digest::Digest, recipe_document::RecipeError};
 
-/// The version of the format that is written.
+/// The format version that this program writes.
 pub(super) const VERSION: u32 = 2;
 
-/// The reason that a lock file cannot be used.
+/// Why a lock file cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum LockFileError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error("{source}")]
     Read {
         /// The system's error.
         source: io::Error,
     },
-    /// It is not TOML, or not a lock file.
+    /// The file is not TOML, or not a lock file.
     #[error("{}", .0.trim_end())]
     Syntax(String),
-    /// It has another version of the format.
+    /// This program cannot read the file's version of the format.
     #[error("the lock file has version {0}; this program reads versions 1 to {VERSION}")]
     Version(i64),
-    /// A name is empty or has characters that do not print.
-    #[error("the name «{}» is not allowed: a name has at least one character, and all of them print", .0.escape_debug())]
+    /// A name is empty or contains characters that do not print.
+    #[error("the name «{}» is not allowed: use one or more printable characters", .0.escape_debug())]
     Name(String),
-    /// Two tables share a name, or two files a path.
+    /// Two tables share a name, or two files share a path.
     #[error("two {owners} have the {what} «{value}»")]
     Twice {
         /// `tables` or `files`.
@@ -36,33 +36,32 @@ pub enum LockFileError {
         /// The value they share.
         value: String,
     },
-    /// Two names or paths differ by case or by Unicode form, so that some systems take them for one.
+    /// Two names or paths differ only in case or Unicode form, which some systems ignore.
     #[error(
-        "two {owners} have the {what}s «{value}» and «{other}», which differ by case or by Unicode form alone: some systems take them for one"
+        "two {owners} have the {what}s «{value}» and «{other}», which differ only in case or Unicode form, which some systems ignore: rename one"
     )]
     Alike {
         /// `tables` or `files`.
         owners: &'static str,
         /// `name` or `path`.
         what: &'static str,
-        /// The first.
+        /// The first name or path.
         value: String,
-        /// The second.
+        /// The second name or path.
         other: String,
     },
-    /// A path leads out of the lock file's folder or into the files of version control, or some system does not allow
-    /// it.
+    /// A path leads out of the lock file's folder or into the files of version control, or is not valid on all systems.
     #[error("the path «{}» is not allowed: {reason}", .path.escape_debug())]
     Path {
         /// The path.
         path: String,
-        /// Its fault.
+        /// Why the path is not allowed.
         reason: &'static str,
     },
     /// A path is not text, so it cannot be written to a lock file.
     #[error("the path «{0}» is not UTF-8 and cannot be written into a lock file")]
     NotText(String),
-    /// A length is greater than the numbers of TOML.
+    /// A length is too large for a TOML number.
     #[error("a file of {0} bytes is too long for a lock file")]
     Bytes(u64),
     /// The recipe of a pin is invalid.
@@ -70,11 +69,11 @@ pub enum LockFileError {
     Recipe {
         /// The table.
         name: String,
-        /// Its fault.
+        /// The error of the recipe.
         source: RecipeError,
     },
-    /// The recipe of a pin has another digest than the pin states.
-    #[error("table «{name}»: the recipe hashes to {actual}, {stated} is pinned")]
+    /// The digest of a pin's recipe differs from the digest that the pin states.
+    #[error("table «{name}»: the recipe hashes to {actual}, but {stated} is pinned")]
     RecipeDigest {
         /// The table.
         name: String,
@@ -84,7 +83,7 @@ pub enum LockFileError {
         actual: Digest,
     },
     /// A pin lacks a field that `lock` writes.
-    #[error("table «{name}» has no {field}; `ltcforge lock` writes it")]
+    #[error("table «{name}» has no {field}; run `ltcforge lock` to add it")]
     Incomplete {
         /// The table.
         name: String,
@@ -93,7 +92,7 @@ pub enum LockFileError {
     },
 }
 
-/// The error of a text that is not a lock file. It may quote a line.
+/// The error for a text that is not a lock file. The error may quote a line.
 pub(super) fn syntax(error: impl std::fmt::Display) -> LockFileError {
     LockFileError::Syntax(without_passwords(&error.to_string()))
 }

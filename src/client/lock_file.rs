@@ -21,7 +21,7 @@
 //! ]
 //! ```
 //!
-//! Version 1 had neither recipes nor exports, and `server` in place of a table's sources. It can still be read.
+//! Version 1 had no recipes and no exports. It had `server` instead of a table's sources. It can still be read.
 
 use std::path::{Path, PathBuf};
 
@@ -39,13 +39,13 @@ use ltcforge_files::{
     text::{other_form, without_mark},
 };
 
-/// The longest lock file that is read. It holds some thousand pins.
+/// Maximum size of a lock file, enough for a few thousand pins.
 const LIMIT_BYTES: u64 = 4 << 20;
 
 /// A project's pins.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct LockFile {
-    /// In the order of the file. No two have the same name or path.
+    /// The pins in the order of the file. No two have the same name or path.
     pub pins: Vec<Pin>,
     /// The sources of tables.
     pub sources: Vec<Source>,
@@ -83,7 +83,7 @@ struct Table {
     sources: Vec<Source>,
     #[serde(default)]
     export: Vec<ExportPin>,
-    /// In version 1.
+    /// Only in version 1.
     server: Option<String>,
 }
 
@@ -91,7 +91,7 @@ impl LockFile {
     /// Reads the lock file at `path`.
     ///
     /// # Errors
-    /// When it cannot be read or is not a lock file.
+    /// When the file cannot be read or is not a lock file.
     pub fn read(path: &Path) -> Result<Self, LockFileError> {
         Self::parse(&read_text(path)?, path)
     }
@@ -113,10 +113,10 @@ impl LockFile {
     }
 }
 
-/// The text of the lock file at `path`.
+/// Reads the text of the lock file at `path`.
 ///
 /// # Errors
-/// When it cannot be read, is longer than 4 MiB or not UTF-8.
+/// When the file cannot be read, is longer than 4 MiB or not UTF-8.
 pub fn read_text(path: &Path) -> Result<String, LockFileError> {
     let bytes = read_file(path, LIMIT_BYTES).map_err(|source| LockFileError::Read { source })?;
     let text = str::from_utf8(without_mark(&bytes));
@@ -142,7 +142,7 @@ fn pin_of(table: Table, is_old: bool) -> Result<Pin, LockFileError> {
     let Table { name, path, digest, bytes, recipe_digest, recipe, mut sources, export: exports, server } = table;
     if let Some(server) = &server {
         if !is_old {
-            return Err(syntax("tables have sources in place of a server since version 2"));
+            return Err(syntax("since version 2, a table has «sources» instead of «server»"));
         }
         sources.push(Source::server(server).map_err(syntax)?);
     }

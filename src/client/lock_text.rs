@@ -1,4 +1,4 @@
-//! Editing the text of a lock file. Comments and the order of tables stay.
+//! Edits the text of a lock file. Comments and the order of tables are kept.
 
 use std::path::Path;
 
@@ -11,8 +11,8 @@ use super::{
 };
 use ltcforge_files::recipe_document;
 
-/// The text of a lock file of the current version with these pins and no others. A table that the old `text` has keeps
-/// its position and its comments. An empty `text` becomes a new lock file.
+/// Rewrites the text of a lock file in the current version, with exactly these pins. A table that `text` already has
+/// keeps its position and its comments. An empty `text` becomes a new lock file.
 ///
 /// # Errors
 /// When `text` is not a lock file or the result would not be one, a pin is incomplete, or a path is not UTF-8.
@@ -89,7 +89,7 @@ fn export_table(pin: &ExportPin) -> Result<Table, LockFileError> {
         file.insert("path", path(&pin.path)?);
         file.insert("bytes", bytes(pin.bytes)?);
         file.insert("digest", pin.digest.to_string().into());
-        // Each file has a line of its own, so that a diff shows which one changed.
+        // Each file has its own line, so that a diff shows which file changed.
         files.push_formatted(Value::from(file).decorated("\n    ", ""));
     }
     files.set_trailing("\n");
@@ -98,7 +98,7 @@ fn export_table(pin: &ExportPin) -> Result<Table, LockFileError> {
     Ok(table)
 }
 
-/// Sets a value; a comment behind the old one stays.
+/// Sets a value, and keeps the comment after the old value.
 fn set(table: &mut Table, key: &str, new: Value) {
     match table.get_mut(key).and_then(Item::as_value_mut) {
         Some(old) => {

@@ -15,19 +15,19 @@ use ltcforge_files::digest::Digest;
 /// One table that a project uses.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pin {
-    /// Its name in the project.
+    /// The name of the table in the project.
     pub name: String,
-    /// The path of its file, relative to the lock file's folder and below it.
+    /// The path of the table's file, relative to the lock file's folder and below it.
     pub path: PathBuf,
-    /// Its digest.
+    /// The digest of the table's file.
     pub digest: Digest,
-    /// Its size. A file of another size is refused. A pin of version 1 may lack this.
+    /// The size of the table's file. A file of another size is rejected. A pin of version 1 may lack the size.
     pub bytes: Option<u64>,
-    /// The document of the recipe, from which it can be fitted again. A pin of version 1 lacks this.
+    /// The recipe document, to fit the table again. A pin of version 1 lacks it.
     pub recipe: Option<String>,
-    /// The sources that are tried before those of the project.
+    /// The sources that are tried before the sources of the project.
     pub sources: Vec<Source>,
-    /// The files that are made from it.
+    /// The files that are made from the table.
     pub exports: Vec<ExportPin>,
 }
 
@@ -45,10 +45,10 @@ pub struct ExportPin {
     /// The format of the files, if there is no engine.
     #[serde(default)]
     pub container: Option<String>,
-    /// The format of their numbers, as in recipes, if there is no engine.
+    /// The number format of the files, as in recipes, if there is no engine.
     #[serde(default)]
     pub precision: Option<String>,
-    /// The folder of the files, relative to the lock file's and below it.
+    /// The folder of the files, relative to the lock file's folder and below it.
     pub to: PathBuf,
     /// The files.
     pub file: Vec<FilePin>,
@@ -58,17 +58,17 @@ pub struct ExportPin {
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FilePin {
-    /// Where it is: relative to the lock file's folder, and below it.
+    /// The path of the file, relative to the lock file's folder and below it.
     pub path: PathBuf,
-    /// Its size.
+    /// The size of the file.
     pub bytes: u64,
-    /// The SHA-256 of its bytes.
+    /// The SHA-256 of the file.
     pub digest: Digest,
 }
 
 impl ExportPin {
-    /// The name under which a service makes these files: the engine, or the layout, format and numbers, or the compact
-    /// form. `None` if the fields do not name an export.
+    /// The name that a service uses for this export: the engine, or `LAYOUT.CONTAINER.PRECISION`, or the compact form.
+    /// `None` if the fields do not name an export.
     #[must_use]
     pub fn name(&self) -> Option<String> {
         let name = match (&self.engine, &self.layout, &self.container) {
@@ -91,7 +91,7 @@ impl ExportPin {
         names.filter(|names| !names.is_empty()).map(|names| names.join("/"))
     }
 
-    /// How a file of this export of `table` is requested; `None` for an export or a path that no service has.
+    /// The request for a file of this export of `table`; `None` for an export or a path that no service has.
     #[must_use]
     pub fn wanted(&self, table: Digest, file: &FilePin) -> Option<Wanted> {
         let FilePin { digest, bytes, .. } = *file;
@@ -135,7 +135,8 @@ pub fn check_pins(pins: &[Pin]) -> Result<(), LockFileError> {
     Ok(())
 }
 
-/// Adds a name to `seen`. Fails if a name is the same, or differs only in case or Unicode form, which some systems ignore.
+/// Adds a name to `seen`. Fails if `seen` has the same name, or one that differs only in case or Unicode form, which
+/// some systems ignore.
 fn check_once(
     seen: &mut BTreeMap<String, String>,
     (owners, what): (&'static str, &'static str),
@@ -158,24 +159,24 @@ pub(super) fn paths(pins: &[Pin]) -> impl Iterator<Item = &Path> {
     })
 }
 
-/// A path without `.` in it.
+/// A path without `.` components.
 pub(super) fn plain(path: &Path) -> PathBuf {
     path.components().filter(|part| *part != Component::CurDir).collect()
 }
 
-/// Why such a name is not allowed.
+/// Why a reserved name is not allowed.
 pub(super) const KEPT: &str =
     "version control, editors and tools keep their own files under names that begin with a dot, or have ~ and a digit";
 
-/// Whether a name is kept for the files of version control, editors and tools, some of which run what they find there.
-/// Their names begin with a dot, or are the short names that Windows gives such files: `GIT~1`.
+/// Whether a name is reserved for version control, editors and tools. Some of them run the files that they find. Such
+/// names begin with a dot, or are short names that Windows gives to these files, such as `GIT~1`.
 pub(super) fn is_kept(name: &OsStr) -> bool {
     let bytes = name.as_encoded_bytes();
     bytes.starts_with(b".") || bytes.windows(2).any(|pair| pair[0] == b'~' && pair[1].is_ascii_digit())
 }
 
-/// Refuses a path that is not safe. A lock file comes with a checkout, so it must not cause writes outside the checkout
-/// or into the files of version control, editors and tools, and its paths must mean the same on every system.
+/// Rejects an unsafe path. A lock file comes with a checkout, so it must not cause writes outside the checkout or into
+/// the files of version control, editors and tools. Its paths must also mean the same on every system.
 fn check_path(path: &Path, is_folder: bool) -> Result<(), LockFileError> {
     let Some(text) = path.to_str() else { return Err(LockFileError::NotText(path.display().to_string())) };
     let refused = |reason| Err(LockFileError::Path { path: text.to_owned(), reason });
@@ -185,11 +186,11 @@ fn check_path(path: &Path, is_folder: bool) -> Result<(), LockFileError> {
     let stays = path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
     let is_named = is_folder && path.components().next().is_some() || path.file_name().is_some();
     if !stays || !is_named {
-        return refused("paths are relative, name a file, and stay below the lock file's folder");
+        return refused("a path must be relative, name a file, and stay below the lock file's folder");
     }
     for name in text.split('/') {
         if name.contains(['\\', ':', '*', '?', '"', '<', '>', '|']) {
-            return refused("not every system allows \\ : * ? \" < > | in names; folders are divided by /");
+            return refused("not every system allows \\ : * ? \" < > | in names; separate folders with /");
         }
         // Windows ignores dots and blanks at the end of a name.
         let bare = name.trim_end_matches(['.', ' ']);
@@ -200,13 +201,13 @@ fn check_path(path: &Path, is_folder: bool) -> Result<(), LockFileError> {
             return refused(KEPT);
         }
         if is_device(name) {
-            return refused("Windows has a device of that name");
+            return refused("Windows has a device with this name");
         }
     }
     Ok(())
 }
 
-/// Whether Windows takes a name for a device. It ignores the part behind the first dot.
+/// Whether Windows treats a name as a device. Windows ignores everything after the first dot.
 fn is_device(name: &str) -> bool {
     let stem = name.split('.').next().unwrap_or_default().trim_end_matches(' ').to_ascii_uppercase();
     let numbered = stem.strip_prefix("COM").or(stem.strip_prefix("LPT"));
@@ -243,8 +244,8 @@ mod tests {
             ("a/nul", "device"),
             ("com1.x.y", "device"),
             ("lpt\u{b2}", "device"),
-            ("a\\b", "divided by /"),
-            ("c:x", "divided by /"),
+            ("a\\b", "separate folders"),
+            ("c:x", "separate folders"),
             ("a\u{202e}b", "do not print"),
             ("a\u{2066}b", "do not print"),
             ("a\u{feff}b", "do not print"),
@@ -270,7 +271,7 @@ mod tests {
     }
 
     #[test]
-    fn names_and_paths_that_no_url_has_are_none() {
+    fn names_and_paths_that_urls_cannot_contain_are_none() {
         let three = export(Some("three"), "a/b", "a/b/areaLights/x.bin");
         assert_eq!(three.name().as_deref(), Some("three"));
         assert_eq!(three.path_of(&three.file[0]).as_deref(), Some("areaLights/x.bin"));

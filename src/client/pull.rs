@@ -1,4 +1,4 @@
-//! Downloading the pinned tables that are missing or differ.
+//! Downloads the pinned tables that are missing or changed.
 
 use std::{
     fs, io,
@@ -15,27 +15,27 @@ use ltcforge_files::{
     replace::{PairError, Staged, folder_of},
 };
 
-/// The state of a pinned file on the disk.
+/// The state of a pinned file on disk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PinState {
-    /// It has the pinned bytes.
+    /// The file has the pinned bytes.
     Right,
     /// The file is missing.
     Missing,
-    /// It has other bytes.
+    /// The file has other bytes.
     Different {
-        /// Their digest.
+        /// The digest of these bytes.
         actual: Digest,
     },
 }
 
-/// The reason that a table was not pulled.
+/// Why a table was not pulled.
 #[derive(Debug, thiserror::Error)]
 pub enum PullError {
-    /// No source delivered it.
+    /// No source delivered the table.
     #[error(transparent)]
     Sources(#[from] SourcesError),
-    /// It could not be read or written.
+    /// The file could not be read or written.
     #[error("{}: {source}", .path.display())]
     File {
         /// The file.
@@ -43,32 +43,32 @@ pub enum PullError {
         /// The system's error.
         source: io::Error,
     },
-    /// It has the pinned digest, but the lock file states another size.
-    #[error("{}: a file of the pinned digest has {bytes} bytes, the lock file states {stated_bytes}", .path.display())]
+    /// The file has the pinned digest, but the lock file states another size.
+    #[error("{}: the file has the pinned digest, but {bytes} bytes instead of {stated_bytes}", .path.display())]
     Size {
         /// The file.
         path: PathBuf,
-        /// Its length.
+        /// The length of the file.
         bytes: u64,
         /// The pinned length.
         stated_bytes: u64,
     },
-    /// A link leads to a folder that no pinned file may be in.
-    #[error("{}: the folder is really {}; {reason}", .path.display(), .real.display())]
+    /// A link leads to a folder where pinned files are not allowed.
+    #[error("{}: the real folder is {}; {reason}", .path.display(), .real.display())]
     Place {
         /// The file.
         path: PathBuf,
-        /// Its folder, without links.
+        /// The folder of the file, with links resolved.
         real: PathBuf,
-        /// The reason that nothing is written there.
+        /// Why nothing is written there.
         reason: &'static str,
     },
 }
 
 const LEADS_OUT: &str = "a link leads out of the lock file's folder";
 
-/// The state of the file at `path` below `folder`, which should have this digest, and this size if the lock file states
-/// it. The function writes nothing, and reads the file part by part.
+/// Compares the file at `path` below `folder` with its pinned digest, and with its size if the lock file states it. The
+/// function writes nothing, and reads the file in parts.
 ///
 /// # Errors
 /// When the file cannot be read or is not a regular file, or has the pinned digest but not the stated size.
@@ -82,10 +82,10 @@ pub fn check(path: &Path, digest: Digest, stated_bytes: Option<u64>, folder: &Pa
     }
 }
 
-/// Checks that a file of the pinned digest has the size that is stated.
+/// Checks that a file with the pinned digest has the stated size.
 ///
 /// # Errors
-/// When it has another size. Then one of the two is wrong in the lock file.
+/// When the sizes differ. Then the digest or the size in the lock file is wrong.
 pub fn check_size(path: PathBuf, bytes: u64, stated_bytes: Option<u64>) -> Result<(), PullError> {
     match stated_bytes {
         Some(stated_bytes) if stated_bytes != bytes => Err(PullError::Size { path, bytes, stated_bytes }),
@@ -103,8 +103,8 @@ pub fn digest_of_file(path: &Path) -> io::Result<(Digest, u64)> {
     Ok((Digest::of_stream(file)?, bytes))
 }
 
-/// The path to which the file at `path` below `folder` is written, without links. A checkout may hold links. They must
-/// not lead a write out of the checkout, or to the files of version control, editors and tools.
+/// The path, without links, to which the file at `path` below `folder` is written. A checkout may contain links. They
+/// must not lead a write out of the checkout, or to the files of version control, editors and tools.
 ///
 /// # Errors
 /// When a link leads out of the checkout or to such files, or a folder on the way cannot be read.
@@ -116,7 +116,7 @@ pub fn target(path: &Path, folder: &Path) -> Result<PathBuf, PullError> {
     let mut real = loop {
         match fs::canonicalize(here) {
             Ok(real) => break real,
-            // A folder that is missing is made later. A link that leads nowhere is not missing.
+            // A missing folder is created later. A dangling link is not a missing folder.
             Err(error) if error.kind() == io::ErrorKind::NotFound && here.symlink_metadata().is_err() => {
                 let Some(name) = here.file_name() else { return Err(failed(error)) };
                 missing.push(name);
@@ -136,17 +136,18 @@ pub fn target(path: &Path, folder: &Path) -> Result<PathBuf, PullError> {
         folder.join("HEAD").is_file() && ["objects", "refs"].iter().all(|name| folder.join(name).is_dir())
     };
     if real.ancestors().take_while(|folder| folder.starts_with(&root)).any(is_repository) {
-        return refused("this is a repository of Git, which keeps its own files there");
+        return refused("Git keeps the files of a repository in this folder");
     }
-    let name =
-        named.file_name().ok_or_else(|| failed(io::Error::new(io::ErrorKind::InvalidInput, "it names no file")))?;
+    let name = named
+        .file_name()
+        .ok_or_else(|| failed(io::Error::new(io::ErrorKind::InvalidInput, "the path names no file")))?;
     Ok(real.join(name))
 }
 
-/// Moves files into place that were staged for paths of [`target`], if their folders did not change since.
+/// Moves staged files to their paths from [`target`], if the folders have not changed since.
 ///
 /// # Errors
-/// When a folder has become a link: then nothing is moved. When a file cannot be moved.
+/// When a folder has become a link (then no file is moved), or when a file cannot be moved.
 pub fn place(staged: Staged) -> Result<(), PullError> {
     for path in staged.places() {
         let named = || path.to_owned();
@@ -189,7 +190,7 @@ mod tests {
         Access { table_bytes: TABLE_BYTES, offline: true, tokens: &ServerTokens::NONE, should_stop: &|| false };
 
     #[test]
-    fn the_state_of_a_pin_is_that_of_its_bytes() {
+    fn the_state_of_a_pin_depends_on_its_bytes() {
         let folder = tempfile::tempdir().expect("a folder");
         let digest = Digest::of(b"right");
         let state = || check(Path::new("sub/a"), digest, Some(5), folder.path()).expect("a readable file");
@@ -233,7 +234,7 @@ mod tests {
         }
     }
 
-    /// A project with the files of version control and of an editor, and links to them, as a checkout may bring them.
+    /// A project with the files of version control and of an editor, and links to them, as a checkout may contain them.
     #[test]
     fn no_link_leads_a_write_to_version_control_or_an_editor() {
         let folder = tempfile::tempdir().expect("a folder");
@@ -270,10 +271,10 @@ mod tests {
         ] {
             let refused = target(Path::new(path), &project).expect_err(path);
             assert!(matches!(refused, PullError::Place { .. }), "{path}: {refused}");
-            assert!(refused.to_string().contains(path) && refused.to_string().contains("really"), "{refused}");
+            assert!(refused.to_string().contains(path) && refused.to_string().contains("real folder"), "{refused}");
         }
         assert!(matches!(target(Path::new("nowhere/config"), &project), Err(PullError::File { .. })));
-        // A project may lie in a folder of any name, and its files in links within it.
+        // A project may be in a folder of any name, and its files may be behind links within it.
         let inside = project.join(".git/inside");
         fs::create_dir_all(inside.join("real")).expect("a folder");
         symlink("real", inside.join("link")).expect("a link");

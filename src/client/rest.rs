@@ -1,4 +1,4 @@
-//! The calls of the HTTP interface. They block.
+//! Blocking calls of the HTTP interface.
 
 use std::{
     io::Write,
@@ -26,26 +26,26 @@ use ltcforge_files::{
     job::{JobId, StateName},
 };
 
-/// How long a connection may take to open.
+/// Time limit for opening a connection.
 const CONNECT: Duration = Duration::from_secs(10);
-/// How long the head of an answer may take, and how long a server may send nothing in the middle of one.
+/// Time limit for the head of a response, and for each pause within a response.
 const STALL: Duration = Duration::from_secs(45);
-/// How long a document may take in all.
+/// Time limit for a whole document.
 const DOCUMENT_TIME: Duration = Duration::from_secs(120);
-/// The longest document: a job, a page of jobs, a problem.
+/// Maximum size of a document: a job, a page of jobs, or a problem.
 const DOCUMENT_BYTES: u64 = 4 << 20;
-/// How long a file may take in all.
+/// Time limit for a whole file.
 const FILE_TIME: Duration = Duration::from_secs(6 * 3600);
-/// The pause between two requests of a follower.
+/// The pause between two requests while a job is followed.
 const POLL: Duration = Duration::from_millis(250);
-/// How long a follower tries to reach a server that became unavailable.
+/// Time limit for reaching an unavailable server again while a job is followed.
 const RECONNECT_LIMIT: Duration = Duration::from_secs(20);
 
-/// A service, by its URL.
+/// A client of one service.
 pub struct Client {
     agent: Agent,
     base: String,
-    /// The value of `Authorization`.
+    /// The value of the `Authorization` header.
     authorization: Option<String>,
 }
 
@@ -77,15 +77,15 @@ fn agent(server: &Uri, stall: Duration) -> Agent {
 
 impl Client {
     /// A client of the service at `base`, such as `http://127.0.0.1:8317`. It sends the token that `tokens` have for
-    /// that server, and not to where the server redirects it.
+    /// that server. It does not send the token to the target of a redirect.
     ///
     /// # Errors
-    /// [`ClientError::BadUrl`] when `base` is not an http or https URL without a user.
+    /// [`ClientError::BadUrl`] when `base` is not an http or https URL, or has a user.
     pub fn new(base: &str, tokens: &ServerTokens) -> Result<Self, ClientError> {
         Self::with_stall(base, tokens, STALL)
     }
 
-    /// The same, of a server that may send nothing for `stall` in the middle of an answer.
+    /// Like [`Self::new`], with another time limit for the head of a response and for each pause.
     pub(super) fn with_stall(base: &str, tokens: &ServerTokens, stall: Duration) -> Result<Self, ClientError> {
         let base = base.trim_end_matches('/').to_owned();
         let uri = parse_base(&base)?;
@@ -143,7 +143,7 @@ impl Client {
     /// # Errors
     /// See [`ClientError`].
     pub fn jobs(&self, state: Option<StateName>, limit: usize) -> Result<Vec<JobDocument>, ClientError> {
-        /// Items on a page. A page of the largest jobs is far below the limit of a document.
+        /// Jobs on a page. The size of a page of the largest jobs is far below [`DOCUMENT_BYTES`].
         const PAGE: usize = 200;
         let url = self.url("/v1/jobs");
         let mut jobs = Vec::new();
@@ -174,7 +174,7 @@ impl Client {
     /// Writes the wanted file to `sink` as it arrives, and checks its size and hash.
     ///
     /// # Errors
-    /// See [`SourcesError`]. The bytes that are in `sink` by then must not be used.
+    /// See [`SourcesError`]. After an error, the bytes in `sink` must not be used.
     pub(super) fn download(
         &self,
         wanted: &Wanted,
@@ -188,10 +188,10 @@ impl Client {
         copy((&url, body.into_reader()), wanted, access, failed, sink)
     }
 
-    /// Follows a job to its final state and returns that. `on_update` is called on each change.
+    /// Follows a job to its final state, and returns the final state. `on_update` is called on each change.
     ///
     /// # Errors
-    /// See [`ClientError`]; unavailable when the server cannot be reached again within 20 seconds.
+    /// See [`ClientError`]. [`ClientError::Unavailable`] when the server cannot be reached again within 20 seconds.
     pub fn follow(&self, id: JobId, on_update: &mut dyn FnMut(&JobDocument)) -> Result<JobDocument, ClientError> {
         let mut latest = self.job(id)?;
         on_update(&latest);
@@ -223,7 +223,7 @@ fn successful(url: &str, sent: Result<Response<Body>, ureq::Error>) -> Result<Re
     if status.is_success() {
         return Ok(response);
     }
-    // The status is enough. The body of an error may be incomplete.
+    // The body of an error may be incomplete. The status alone is enough for an error message.
     let body = read_stream(response.into_body().into_reader(), DOCUMENT_BYTES).unwrap_or_default();
     Err(ClientError::status(url, status.as_u16(), &body))
 }
@@ -239,6 +239,6 @@ fn job_of(url: &str, sent: Result<Response<Body>, ureq::Error>) -> Result<JobDoc
 }
 
 fn unexpected(url: &str, error: &serde_json::Error) -> ClientError {
-    // The error may quote the server's answer.
+    // The error may quote the server's response.
     ClientError::Unexpected { url: url.to_owned(), reason: printable(&error.to_string()) }
 }

@@ -1,7 +1,7 @@
 //! Tokens of services, each for one server.
 //!
-//! Invariant: a token is sent only to the scheme, host and port that the user gave it for: neither to another server
-//! that a lock file names, nor to the target of a redirect.
+//! Invariant: a token is sent only to the scheme, host and port that the user gave it for. It is never sent to another
+//! server in a lock file, or to the target of a redirect.
 
 use std::str::FromStr;
 
@@ -9,14 +9,14 @@ use ureq::http::Uri;
 
 use super::{ClientError, base::parse_base};
 
-/// The tokens that a user has. They have no `Debug`, so that no message shows them.
+/// The tokens of a user. The type has no `Debug`, so that no message shows a token.
 #[derive(Clone, Default, PartialEq, Eq)]
 pub struct ServerTokens(Vec<(Server, String)>);
 
 /// Scheme, host in lower case, port.
 type Server = (String, String, u16);
 
-/// The reason that tokens cannot be used. No message shows a token.
+/// Why tokens cannot be used. No message shows a token.
 #[derive(Debug, thiserror::Error)]
 pub enum ServerTokensError {
     /// An item of the list is not a URL and a token, or its server has a token already.
@@ -30,7 +30,7 @@ pub enum ServerTokensError {
 impl FromStr for ServerTokens {
     type Err = ServerTokensError;
 
-    /// `URL TOKEN`, separated by `;` for several servers.
+    /// Parses a list of `URL TOKEN`, separated by `;`.
     fn from_str(text: &str) -> Result<Self, ServerTokensError> {
         let mut tokens = Self::NONE;
         for (at, part) in (1..).zip(text.split(';')) {
@@ -40,11 +40,11 @@ impl FromStr for ServerTokens {
                 return wrong("write URL TOKEN, as in «https://farm.example ltcforge_0123...»");
             };
             if !token.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"-._~+/=".contains(&byte)) {
-                return wrong("a token has letters, digits and -._~+/=, and no other characters");
+                return wrong("a token may contain only letters, digits and -._~+/=");
             }
             let base = parse_base(url.trim_end_matches('/')).map_err(|error| ServerTokensError::Url(at, error))?;
             if tokens.of(&base).is_some() {
-                return wrong("another token is for the same server");
+                return wrong("there is another token for the same server");
             }
             tokens.0.push((server(&base), token.to_owned()));
         }
@@ -91,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_list_of_tokens_is_refused_without_being_shown() {
+    fn an_invalid_list_of_tokens_is_refused_without_being_shown() {
         for text in [
             "",
             "s3cret",

@@ -18,20 +18,20 @@ use super::{
     error::{bad_url, is_hidden},
 };
 
-/// A place that may have a table. Written as a URL, or as the path of a folder.
+/// A place that may have a table, written as a URL or as the path of a folder.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(try_from = "String")]
 pub enum Source {
     /// A service, by its URL.
     Server(String),
-    /// A folder of tables under their digests, as `fit` writes them.
+    /// A folder with tables that are named by their digests, as `fit` writes them.
     Folder(PathBuf),
 }
 
 impl FromStr for Source {
     type Err = ClientError;
 
-    /// A text with `://` in it is a URL.
+    /// A text with `://` is a URL.
     fn from_str(text: &str) -> Result<Self, ClientError> {
         if text.contains("://") {
             return Self::server(text);
@@ -88,7 +88,7 @@ impl Source {
         Ok(Self::Server(url.to_owned()))
     }
 
-    /// This source; a relative path of a folder is taken below `folder`.
+    /// This source, with a relative folder resolved below `folder`.
     #[must_use]
     pub fn below(&self, folder: &Path) -> Self {
         match self {
@@ -119,11 +119,11 @@ impl Source {
 /// Writes a file to a sink.
 type Download<'a> = dyn FnMut(&mut dyn Write) -> Result<(), SourcesError> + 'a;
 
-/// Tries `sources` in order until one delivers the wanted file. `attempt` is called once for each source, with a
-/// function that writes the file to a sink. It begins with an empty sink each time.
+/// Tries `sources` in order until one delivers the wanted file. Calls `attempt` once for each source, with a function
+/// that writes the file to a sink. Each attempt starts with an empty sink.
 ///
 /// # Errors
-/// When no source has it, `attempt` fails to write it, or the user stopped the download.
+/// When no source has the file, `attempt` fails to write it, or the user stopped the download.
 pub(super) fn from_first<T>(
     sources: &[Source],
     wanted: &Wanted,
@@ -143,7 +143,7 @@ pub(super) fn from_first<T>(
 /// The bytes of the wanted file, from the first of `sources` that has it.
 ///
 /// # Errors
-/// When no source has it, or the user stopped the download.
+/// When no source has the file, or the user stopped the download.
 pub fn fetch(sources: &[Source], wanted: &Wanted, access: &Access<'_>) -> Result<Vec<u8>, SourcesError> {
     from_first(sources, wanted, access, &mut |write| {
         let mut bytes = Vec::new();
@@ -152,7 +152,7 @@ pub fn fetch(sources: &[Source], wanted: &Wanted, access: &Access<'_>) -> Result
     })
 }
 
-/// Opens a file that is not a pipe or a device: these may have no end, and opening a pipe may block.
+/// Opens a regular file. Pipes and devices are rejected: they may be endless, and opening a pipe may block.
 pub(super) fn open_regular(path: &Path) -> io::Result<File> {
     if !path.metadata()?.is_file() {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "this is not a regular file"));
@@ -202,14 +202,14 @@ mod tests {
         assert!(matches!(errors[..], [ClientError::Unreadable { .. }, ClientError::Mismatch { .. }]), "{errors:?}");
         assert_eq!(fetched(&sources, digest, Some(5)).expect("the third"), b"right");
         let long = fetched(&sources[2..], digest, Some(6)).expect_err("too short");
-        assert!(long.to_string().contains("has 5 bytes, the lock file states 6"), "{long}");
+        assert!(long.to_string().contains("has 5 bytes, but the lock file states 6"), "{long}");
         let short = fetched(&sources[2..], digest, Some(4)).expect_err("too long");
         assert!(short.to_string().contains("longer than 4 bytes, the size that the lock file states"), "{short}");
     }
 
     #[cfg(unix)]
     #[test]
-    fn nothing_endless_is_read_and_no_server_asked_offline() {
+    fn an_endless_file_is_not_read_and_no_server_is_called_offline() {
         let folder = tempfile::tempdir().expect("a folder");
         let digest = Digest::of(b"");
         std::os::unix::fs::symlink("/dev/zero", folder.path().join(format!("{}.safetensors", digest.hex())))

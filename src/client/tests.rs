@@ -12,7 +12,7 @@ use super::{
 };
 use ltcforge_files::{digest::Digest, job::StateName};
 
-/// Starts a server that reads the head of each request and hands the connection to the next of `answers`. Returns its
+/// Starts a server that reads the head of each request and passes the connection to the next of `answers`. Returns its
 /// URL and the requests.
 fn server_of(answers: Vec<Box<dyn FnOnce(TcpStream) + Send>>) -> (String, thread::JoinHandle<Vec<String>>) {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
@@ -66,7 +66,7 @@ fn answer(content_type: &str, body: &str) -> String {
     )
 }
 
-/// The table whose bytes should be `expected`, in a file of at most `table_bytes`.
+/// Fetches the table with the digest of `expected`, with a limit of `table_bytes`.
 fn table_within(
     table_bytes: u64,
     (url, tokens): (&str, &ServerTokens),
@@ -118,7 +118,7 @@ fn gzip_is_undone_within_the_limit_of_its_contents() {
 }
 
 #[test]
-fn a_job_is_followed_over_a_server_that_is_away_for_a_moment() {
+fn a_job_is_followed_while_the_server_is_briefly_unavailable() {
     let of = |state: &str| answer("application/json", &document(state).to_string());
     let away = "HTTP/1.1 503 x\r\ncontent-length: 0\r\nconnection: close\r\n\r\n".to_owned();
     let (url, requests) = server(vec![of("running"), of("running"), away, of("cancelled")]);
@@ -151,7 +151,7 @@ fn a_document_is_cut_at_its_limit() {
 }
 
 #[test]
-fn a_list_that_never_ends_is_left() {
+fn an_endless_list_is_abandoned() {
     let page = answer("application/json", r#"{"items":[],"next":"again"}"#);
     let (url, requests) = server(vec![page]);
     assert_eq!(client(&url).jobs(None, 10).expect("an empty list"), []);
@@ -163,11 +163,11 @@ fn a_list_that_never_ends_is_left() {
 }
 
 #[test]
-fn an_answer_that_stops_half_way_is_left() {
+fn an_incomplete_answer_is_abandoned() {
     let half: Box<dyn FnOnce(TcpStream) + Send> = Box::new(|mut stream| {
         let half = stream.write_all(b"HTTP/1.1 200 OK\r\ncontent-length: 10\r\n\r\nabc");
         half.expect("the client listens");
-        // Until the client hangs up.
+        // Wait until the client closes the connection.
         let _ = stream.read(&mut [0]);
     });
     let url = server_of(vec![half]).0;
@@ -187,7 +187,7 @@ fn a_download_that_is_stopped_ends() {
 
 /// A server that redirects the client gets the token. The target of the redirect does not.
 #[test]
-fn a_token_goes_to_its_own_server_alone() {
+fn a_token_is_sent_only_to_its_own_server() {
     let bytes = b"table";
     let of = |tokens: &str, url: &str| {
         table_within(TABLE_BYTES, (url, &tokens.parse().expect("tokens")), bytes, None).expect("the table")

@@ -1,4 +1,4 @@
-//! Reading of files and lines up to a length limit.
+//! Reads files and lines up to a length limit.
 
 use std::{
     fs::File,
@@ -6,10 +6,10 @@ use std::{
     path::Path,
 };
 
-/// The bytes of a file of at most `most_bytes`. A file whose stated length is above the limit is not read.
+/// Reads a file of at most `most_bytes`. A file whose metadata states a larger size is not read.
 ///
 /// # Errors
-/// The error of the system; [`io::ErrorKind::FileTooLarge`] for a longer file.
+/// A system error; [`io::ErrorKind::FileTooLarge`] for a longer file.
 pub fn read_file(path: &Path, most_bytes: u64) -> io::Result<Vec<u8>> {
     let file = File::open(path)?;
     if file.metadata()?.len() > most_bytes {
@@ -18,10 +18,10 @@ pub fn read_file(path: &Path, most_bytes: u64) -> io::Result<Vec<u8>> {
     read_stream(file, most_bytes)
 }
 
-/// The bytes of a stream of at most `most_bytes`.
+/// Reads a stream of at most `most_bytes`.
 ///
 /// # Errors
-/// The error of the system; [`io::ErrorKind::FileTooLarge`] for a longer stream, after one byte more than the limit.
+/// A system error; [`io::ErrorKind::FileTooLarge`] for a longer stream, after reading one byte more than the limit.
 pub fn read_stream(stream: impl Read, most_bytes: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     stream.take(most_bytes.saturating_add(1)).read_to_end(&mut bytes)?;
@@ -31,7 +31,7 @@ pub fn read_stream(stream: impl Read, most_bytes: u64) -> io::Result<Vec<u8>> {
 /// Reads the next line into `line`, without its line break. Returns `false` at the end.
 ///
 /// # Errors
-/// The error of the system; [`io::ErrorKind::FileTooLarge`] for a line of more than `most_bytes`.
+/// A system error; [`io::ErrorKind::FileTooLarge`] for a line of more than `most_bytes`.
 pub fn read_line(stream: &mut impl BufRead, line: &mut Vec<u8>, most_bytes: u64) -> io::Result<bool> {
     line.clear();
     // The two extra bytes are for a line break.
@@ -50,14 +50,14 @@ pub fn too_long(what: &str, most_bytes: u64) -> io::Error {
     io::Error::new(io::ErrorKind::FileTooLarge, format!("the {what} is longer than {most_bytes} bytes, the limit"))
 }
 
-/// The limit of segments APP1 and APP2 in a JPEG: profiles, previews and metadata of up to 64 KB each. Decoders keep
-/// them.
+/// Maximum number of APP1 and APP2 segments in a JPEG. They hold profiles, previews and metadata of up to 64 KB each,
+/// which decoders keep in memory.
 const MOST_JPEG_SEGMENTS: usize = 512;
 
-/// Rejects a JPEG with more segments of metadata than a decoder should keep.
+/// Rejects a JPEG with more metadata segments than a decoder should keep.
 ///
 /// # Errors
-/// A description of the excess.
+/// When the JPEG has too many segments.
 pub fn check_jpeg(bytes: &[u8]) -> Result<(), String> {
     let is_kept = |pair: &&[u8]| matches!(pair, [0xff, 0xe1 | 0xe2]);
     let is_more = bytes.windows(2).filter(is_kept).nth(MOST_JPEG_SEGMENTS).is_some();

@@ -27,7 +27,7 @@ impl Digest {
         Self(Sha256::digest(bytes).into())
     }
 
-    /// The digest of all bytes of `stream`, which are not kept in memory.
+    /// Hashes all bytes of `stream` without keeping them in memory.
     ///
     /// # Errors
     /// The error of the stream.
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn refuses_what_is_not_a_digest() {
+    fn refuses_texts_that_are_not_digests() {
         let multibyte = format!("{}é", &ABC[..62]);
         for text in ["", "sha256:", "sha256:00", &ABC[..63], "sha512:00", multibyte.as_str(), "+1"] {
             assert!(text.parse::<Digest>().is_err(), "{text}");

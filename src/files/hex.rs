@@ -1,7 +1,7 @@
 //! Bytes as hexadecimal digits.
 
-/// The bytes as lower-case digits, two a byte. A lookup is used, because an answer of the service has several digests,
-/// and formatting each byte took 3 % of its time.
+/// The bytes as lower-case digits, two per byte. This uses a lookup, because a response of the service has several
+/// digests, and formatting each byte took 3 % of the response time.
 #[must_use]
 pub fn to_hex(bytes: &[u8]) -> String {
     const DIGITS: &[u8; 16] = b"0123456789abcdef";

@@ -1,4 +1,4 @@
-//! Names of jobs in documents of the service and of its clients.
+//! Names of jobs in documents of the service and its clients.
 
 use std::{fmt, str::FromStr};
 
@@ -9,7 +9,8 @@ use super::{
     hex::{from_hex, to_hex},
 };
 
-/// A job's id: the first 128 bits of its recipe's digest in hex. So submitting a recipe twice gives the same job.
+/// A job's id: the first 128 bits of its recipe's digest in hex. Submitting a recipe twice therefore gives the same
+/// job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct JobId([u8; 16]);
 
@@ -40,7 +41,7 @@ impl JobId {
     }
 }
 
-/// The most ids that a sentence lists.
+/// Maximum number of ids that a sentence lists.
 const LISTED: usize = 20;
 
 /// The first ids as a list in a sentence, and the number of other ids.

@@ -1,13 +1,14 @@
 //! Size limits of a JSON document, counted before it is parsed.
 //!
-//! A parsed object takes up to a hundred times the bytes of its text, so a limit on bytes alone does not bound memory.
+//! A parsed object can take a hundred times as much memory as its text, so a limit on bytes alone does not bound
+//! memory.
 
 /// The limits of a document.
 #[derive(Debug, Clone, Copy)]
 pub struct JsonLimits {
-    /// The most objects and lists.
+    /// Maximum number of objects and lists.
     pub items: usize,
-    /// The most values that follow another in an object or a list.
+    /// Maximum number of values that follow another value in an object or a list.
     pub values: usize,
 }
 
@@ -23,7 +24,7 @@ pub struct TooMany {
     pub most: usize,
 }
 
-/// The most letters of a field's name in a message.
+/// Maximum length of a field's name in a message.
 const LONGEST_FIELD: usize = 40;
 
 impl JsonLimits {

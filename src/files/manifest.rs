@@ -55,7 +55,7 @@ pub fn table_report(table: &Table, recipe: &Recipe) -> Report {
 /// The manifest of a canonical file as JSON that ends in a newline. Measures the table on the current rayon pool.
 ///
 /// # Errors
-/// `file_bytes` is not a canonical table file, or it is of a tabulated BRDF, which needs [`manifest_json_with`].
+/// `file_bytes` is not a canonical table file, or the table has a tabulated BRDF, which needs [`manifest_json_with`].
 pub fn manifest_json(file_bytes: &[u8]) -> Result<String, TableFileError> {
     manifest_json_with(file_bytes, &no_files)
 }
@@ -70,7 +70,7 @@ pub fn manifest_json_with(file_bytes: &[u8], find: &FindBrdf<'_>) -> Result<Stri
     manifest_of(file_bytes, &file.table, &file.recipe, &table_report(&file.table, &file.recipe))
 }
 
-/// Like [`manifest_json_with`]; `None` after `go_on` returns false.
+/// Like [`manifest_json_with`]; `None` once `go_on` returns false.
 ///
 /// # Errors
 /// Like [`manifest_json_with`].
@@ -88,7 +88,7 @@ pub fn manifest_json_while(
 /// The mean error of a table between nodes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeanError {
-    /// The error as a part of the lobe's width.
+    /// The error as a fraction of the lobe's width.
     pub width: f64,
     /// The number of places where it was measured.
     pub places: usize,

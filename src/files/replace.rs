@@ -1,4 +1,4 @@
-//! Files that are written completely or not at all.
+//! Writes files completely or not at all.
 //!
 //! A file is written under a temporary name in its folder, flushed with fsync and renamed. After a crash, on a full
 //! disk, and for concurrent readers, its path has the old file or the new file, never a part.
@@ -61,14 +61,14 @@ pub fn replace_pair(first: (&Path, &[u8]), second: (&Path, &[u8])) -> Result<(),
     }
     staged.place().inspect_err(|_| {
         if !was_there {
-            // The first error is the one to report.
+            // Report the first error.
             let _ = fs::remove_file(first.0);
         }
     })
 }
 
-/// Files that were written next to their destinations and not yet moved. Dropping this deletes them, and the folders
-/// that were created for them.
+/// Files that were written next to their destinations and are not yet moved. Dropping the value deletes them, and the
+/// folders that were created for them.
 #[derive(Debug, Default)]
 pub struct Staged {
     /// Temporary files, which are deleted when dropped, and their destinations.
@@ -188,7 +188,7 @@ pub fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// Makes the names in `folder` durable. Only Unix can open a folder and needs this call.
+/// Makes the file names in `folder` durable. Only Unix can open a folder and needs this call.
 ///
 /// # Errors
 /// The folder cannot be opened, or the disk fails.
@@ -199,7 +199,7 @@ pub fn sync_folder(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// A new file in `folder`, with the permissions of any new file. Those of `tempfile` would let only its owner read it.
+/// A new file in `folder` with the usual permissions. The permissions of `tempfile` would let only the owner read it.
 fn temporary_file(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(TEMPORARY_PREFIX).suffix(".part");
@@ -279,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_of_two_files_goes_when_the_second_cannot_be_written() {
+    fn the_first_of_two_files_is_deleted_when_the_second_cannot_be_written() {
         let folder = tempfile::tempdir().expect("a folder");
         let (first, second) = (folder.path().join("first"), folder.path().join("second"));
         fs::create_dir(&second).expect("a folder in the way");
@@ -330,7 +330,7 @@ mod tests {
             write(&mut staged, &old, b"1");
             if !is_placed {
                 drop(staged);
-                assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 1, "folders go too");
+                assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 1, "folders are deleted too");
                 assert_eq!(fs::read(&old).expect("the file"), b"old");
                 continue;
             }

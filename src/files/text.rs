@@ -1,10 +1,10 @@
 //! Changes that editors and version control make to texts and files.
 
-/// The byte-order mark that some editors put before a text in UTF-8.
+/// The byte-order mark that some editors put before UTF-8 text.
 const MARK: &[u8] = b"\xef\xbb\xbf";
-/// The first line of the text with which Git LFS replaces a file.
+/// The first line of a Git LFS pointer, which replaces a file.
 const LFS: &[u8] = b"version https://git-lfs.github.com/spec/";
-/// The longest text that is searched for merge markers.
+/// Maximum size of a text that is searched for merge markers.
 const TEXT_LIMIT_BYTES: usize = 4 << 20;
 
 /// A text without a byte-order mark.
@@ -13,15 +13,15 @@ pub fn without_mark(text: &[u8]) -> &[u8] {
     text.strip_prefix(MARK).unwrap_or(text)
 }
 
-/// A message for bytes that were rejected, if they are a pointer of Git LFS, a text in UTF-16, or a text with merge
-/// markers: what they are, and how to fix them. `None` for other bytes.
+/// If rejected bytes are a Git LFS pointer, UTF-16 text, or text with merge markers, returns a message that names the
+/// problem and its fix. `None` for other bytes.
 #[must_use]
 pub fn other_form(bytes: &[u8]) -> Option<String> {
     if without_mark(bytes).starts_with(LFS) {
-        return Some("this is a pointer of Git LFS and not the file: fetch the file with `git lfs pull`".to_owned());
+        return Some("this is a Git LFS pointer, not the file: fetch the file with `git lfs pull`".to_owned());
     }
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
-        return Some("this is a text in UTF-16: save it in UTF-8".to_owned());
+        return Some("the text is in UTF-16: save it as UTF-8".to_owned());
     }
     let text = str::from_utf8(bytes).ok().filter(|text| text.len() <= TEXT_LIMIT_BYTES)?;
     let is_marker = |line: &str| ["<<<<<<<", "=======", ">>>>>>>", "|||||||"].iter().any(|mark| line.starts_with(mark));
@@ -34,7 +34,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_editors_and_git_leave_is_known() {
+    fn changes_by_editors_and_git_are_recognised() {
         assert_eq!(without_mark(b"\xef\xbb\xbf{}"), b"{}");
         assert_eq!(without_mark(b"{}"), b"{}");
         let pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 7\n";

@@ -1,4 +1,4 @@
-//! Converts fitted entries to the table of a layout.
+//! Converts fitted entries to a table in the layout of the recipe.
 
 use super::{
     between,
@@ -19,7 +19,7 @@ pub fn assemble(plan: &Plan, entries: &[FittedEntry]) -> Table {
     let recipe = plan.recipe();
     let round = |x: f64| match recipe.precision {
         Precision::F32 => x as f32,
-        // A processor's own instruction rounds twice between f64 and f16, so the conversion is in software.
+        // The processor's conversion from f64 to f16 rounds twice, so the conversion is done in software.
         Precision::F16 => from_half_bits(half_bits_f64(x)),
     };
     let stored = stored(plan, entries);
@@ -42,7 +42,7 @@ pub fn assemble(plan: &Plan, entries: &[FittedEntry]) -> Table {
     }
 }
 
-/// The numbers that a layout stores, for all entries.
+/// The numbers that the layout stores for each entry.
 fn stored(plan: &Plan, entries: &[FittedEntry]) -> Vec<LobeNumbers> {
     let own: Vec<LobeNumbers> = (0..).zip(entries).map(|(index, entry)| store(plan, index, entry)).collect();
     let chosen = if plan.recipe().is_searched() { between::chosen(plan, entries, &own) } else { None };

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::math::direction;
 
-/// The smallest roughness along either axis. A lobe with less roughness is thinner than the distance between
-/// neighbouring f32 directions, and cannot be interpolated. A lookup raises both roughnesses to this value before it
+/// The smallest roughness along either axis. The lobe of a smoother surface is thinner than the distance between
+/// neighbouring f32 directions, so it cannot be interpolated. A lookup raises both roughnesses to this value before it
 /// divides them, so a mirror remains isotropic.
 pub const LEAST_ALPHA: f64 = 1e-5;
 
@@ -33,7 +33,7 @@ impl<T> PerAxis<T> {
 
 /// A point in the domain of a table.
 impl PerAxis<f64> {
-    /// The roughness along x, which is the larger roughness, and along y, which is at least [`LEAST_ALPHA`].
+    /// The roughness along x (the larger one) and along y (at least [`LEAST_ALPHA`]).
     #[must_use]
     pub fn roughness(&self) -> [f64; 2] {
         [self.alpha, (self.alpha * self.ratio).max(LEAST_ALPHA)]

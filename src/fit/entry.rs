@@ -17,12 +17,13 @@ use super::{
     stop_check::{StopCheck, unstopped},
 };
 
-/// Samples of the lobe for each sample of the LTC. The lobe can have more, because it is projected once. The samples of
-/// the LTC are projected in every evaluation.
+/// Samples of the lobe for each sample of the LTC. The lobe can have more samples, because they are projected only
+/// once. The samples of the LTC are projected in every evaluation.
 const TARGET_SAMPLES_PER_SAMPLE: usize = 2;
-/// Samples of the lobe for its terms, for each sample of the LTC. They are cheap, because they are only drawn.
+/// Samples of the lobe from which its terms are computed, for each sample of the LTC. These samples are cheap, because
+/// they are drawn but not projected.
 const TERM_SAMPLES_PER_SAMPLE: usize = 4;
-/// The held-out sequences are the sequences of the fit, shifted by these parts of a turn. Both parts are far from all
+/// The held-out sequences are the sequences of the fit, shifted cyclically by these distances. Both are far from all
 /// fractions with a small denominator.
 const HELD_OUT_SHIFT: [f64; 2] = [0.414_213_562_373_095, 0.732_050_807_568_877];
 
@@ -37,8 +38,8 @@ pub struct FittedEntry {
     pub matrix: [f64; 9],
     /// The matrix of the second lobe, if entries have two lobes.
     pub second: Option<[f64; 9]>,
-    /// Directional albedo for a Fresnel factor of one. For a Gaussian it is divided by the part of the Gaussian above
-    /// the horizon; a renderer multiplies the Gaussian's integral over a light by it.
+    /// Directional albedo for a Fresnel factor of one. For a Gaussian, the albedo is divided by the part of the
+    /// Gaussian above the horizon, because a renderer multiplies the amplitude by the Gaussian's integral over a light.
     pub amplitude: f64,
     /// The amplitude, weighted by Schlick's fifth power.
     pub fresnel: f64,
@@ -78,7 +79,7 @@ pub struct Fitter {
     settings: FitSettings,
     training: Sampling,
     held_out: Sampling,
-    /// The points for the lobe's terms.
+    /// The points of the samples from which the lobe's terms are computed.
     terms: Arc<[SquarePoint]>,
 }
 
@@ -148,8 +149,7 @@ impl Fitter {
     }
 
     /// Like [`Fitter::fit`], but solvers that start from a matrix start from `near`, the matrix of a neighbouring lobe.
-    /// Also returns the matrix from which to start the next lobe. Each of these matrices is in the frame of its own
-    /// lobe.
+    /// Also returns the matrix from which to start the next lobe. Both matrices are in the frame of their own lobe.
     pub(super) fn fit_near(
         &mut self,
         brdf: &dyn Brdf,
@@ -193,7 +193,7 @@ impl Fitter {
             .solve(Objective { model, brdf, wo, target, loss: &mut *loss, effort, stream, simplex, near }, stop_check)
     }
 
-    /// The matrix that solver `sgd` finds, for any solver of the settings. Returns `None` if `stop_check` stops the
+    /// The matrix that solver `sgd` finds, whichever solver the settings name. Returns `None` if `stop_check` stops the
     /// fit.
     #[must_use]
     pub fn descended(&mut self, brdf: &dyn Brdf, wo: DVec3, stream: u64, stop_check: &mut StopCheck) -> Option<DMat3> {

@@ -15,14 +15,14 @@ pub struct Expectation {
     pub bytes: u64,
 }
 
-/// The error due to a finite number of samples: `2.56 samples^-1.3`. Fitted to a full run of docs/tradeoff.md, from 64
-/// to 2048 samples.
+/// The error due to a finite number of samples: `2.56 samples^-1.3`. Fitted to a full run of the measurements in
+/// docs/tradeoff.md, from 64 to 2048 samples.
 const SAMPLES: [f64; 2] = [2.56, -1.3];
 /// The error due to a finite number of directions: `0.04 directions^-2`. Fitted to the same run, from 4 to 32
 /// directions.
 const DIRECTIONS: [f64; 2] = [0.04, -2.0];
 
-/// The error that the report measures for an exact lobe. It is the error of the report's own samples.
+/// The error that the report measures for an exact lobe. It comes from the report's own samples.
 const EXACT: f64 = 0.0039;
 /// The error of interpolation in `theta`, per squared step, if lobes are exact at the nodes.
 const EXACT_THETA: f64 = 0.17;
@@ -33,12 +33,13 @@ const EXACT_ALPHA: [f64; 2] = [0.2, 0.45];
 
 /// Predicts the time, error and size of a recipe's table.
 ///
-/// `error = limit + sum over axes of c h^2 + 2.56 samples^-1.3 + 0.04 directions^-2`. `h` is the step between nodes as
-/// the layout spaces them, 1 for the whole domain. Steps and precision have no effect: ten steps of `bfgs` are as good
-/// as sixty within 1 %, and f16 is as good as f32. The formula is calibrated with LTCs of GGX over the whole domain,
-/// fitted by `bfgs`. In a part of the domain the limit differs. Other scattering and lobe models have a constant
-/// factor. Lobes that are LTCs are not fitted: their error is the error of interpolation plus 0.0039 from the report's
-/// own samples (measured on tables of `fuzz` with 6 to 48 nodes an axis). The prediction does not depend on `fresnel`.
+/// `error = limit + sum over axes of c h^2 + 2.56 samples^-1.3 + 0.04 directions^-2`. `h` is the step between nodes in
+/// the spacing of the layout, relative to the whole domain. The solver's steps and the precision have no effect. The
+/// errors after ten and after sixty steps of `bfgs` differ by less than 1 %, and tables in f16 are as accurate as
+/// tables in f32. The formula is calibrated with LTCs of GGX over the whole domain, fitted by `bfgs`. For a part of the
+/// domain the limit differs. For other scattering models and lobe models, the error is multiplied by a constant factor.
+/// Lobes that are LTCs are not fitted: their error is the error of interpolation plus 0.0039 from the report's own
+/// samples (measured on tables of `fuzz` with 6 to 48 nodes per axis). The prediction does not depend on `fresnel`.
 #[must_use]
 pub fn expectation(recipe: &Recipe) -> Expectation {
     let Interpolation { limit, step: c } = recipe.layout.rules().interpolation();
@@ -65,8 +66,9 @@ fn exact_interpolation(recipe: &Recipe, h: PerAxis<f64>) -> f64 {
     alpha + EXACT_THETA * h.theta * h.theta
 }
 
-/// Lobes change with the logarithm of perceptual roughness `s`. Cells of length `h` add `(h / s)^2`, integrated from
-/// `a = max(h, low)` to 1. The interval below `a` adds its length.
+/// The error of interpolation in perceptual roughness `s`, from `low` to 1 in steps of `h`. Lobes change with the
+/// logarithm of `s`, so the error at `s` is proportional to `(h / s)^2`. This is integrated from `a = max(h, low)` to
+/// 1. The interval below `a` adds an error in proportion to its length.
 fn roughness_interpolation(low: f64, h: f64) -> f64 {
     let [shorter, longer] = EXACT_ALPHA;
     let a = h.max(low);
@@ -117,7 +119,7 @@ mod tests {
         let isotropic = [([64, 1, 64, 1], 64), ([48, 1, 64, 1], 96)];
         // Layout `materials` does not interpolate between materials. Between views it equals `reflected`.
         for &layout in Layout::ALL.iter().filter(|layout| !layout.is_of_materials()) {
-            // The mean error of these tables comes from a few lobes.
+            // The mean error of isotropic tables comes from a few lobes, so its limits are wider.
             let is_isotropic = layout.only_ranges().is_some();
             let (tables, likely) = if is_isotropic { (isotropic, 0.4..3.0) } else { (whole, 0.7..1.4) };
             for (resolution, samples) in tables {
@@ -182,7 +184,7 @@ mod tests {
         }
     }
 
-    /// Tests the lobes of plastic, of a mix, and the first of two lobes.
+    /// Tests lobes of plastic and of a mix, and the first of two lobes.
     #[test]
     fn tables_of_other_materials_are_as_good_as_expected() {
         let f0 = |parts: &[f64]| {

@@ -9,15 +9,16 @@ use super::{
     layout::{ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING},
 };
 
-/// Explicit nodes of some axes, ascending; an axis without them is empty, and the layout places its nodes.
-/// Alternatively, materials: pairs of alpha and ratio in any order. Few recipes have any, so they are boxed.
+/// Explicit nodes of some axes, in ascending order. An axis without explicit nodes is empty here, and the layout places
+/// its nodes. Instead of nodes of alpha and ratio, a recipe can list materials: pairs of alpha and ratio in any order.
+/// Few recipes have either, so the lists are boxed.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct GivenNodes(Option<Box<Given>>);
 
 #[derive(Debug, Clone, PartialEq)]
 struct Given {
     nodes: PerAxis<Vec<f64>>,
-    /// True if alpha and ratio are materials.
+    /// True if alpha and ratio form a list of materials.
     are_materials: bool,
 }
 

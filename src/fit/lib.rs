@@ -1,10 +1,11 @@
 //! The fitting core: from a recipe to a table.
 //!
-//! A [`Layout`] places a configuration in the table. `metric` samples its lobe. `solver` finds the matrix whose LTC is
-//! nearest to the lobe. The layout selects the stored numbers. [`Table`] looks them up. `measure` measures the table
-//! and shares nothing with the metric.
+//! A [`Layout`] maps a configuration to an entry of the table. `metric` samples its lobe. `solver` finds the matrix
+//! whose LTC is nearest to the lobe. The layout selects the stored numbers. [`Table`] looks them up. `measure` measures
+//! the table and shares no code with the metric.
 //!
-//! Invariant: `fit` knows no clock, file, environment, JSON value or thread count. Equal recipes give equal bytes.
+//! Invariant: `fit` uses no clock, file, environment variable, JSON value or thread count. Equal recipes give equal
+//! bytes.
 
 pub mod brdf;
 pub mod lobe;

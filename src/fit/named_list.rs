@@ -1,6 +1,6 @@
 //! Lists of the items that a recipe can name. One line declares an item, its name in documents and its code.
 
-/// Declares an enum whose variants have names in documents, and optionally rules for each name.
+/// Declares an enum whose variants have names in documents, and optionally rules for each variant.
 ///
 /// A line reads `Variant = "name" => RULES,` where `RULES` implements the list's trait. In a list without a trait, a
 /// line reads `Variant = "name",`. The first variant is the default.

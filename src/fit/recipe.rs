@@ -14,7 +14,7 @@ use super::{
     solver::{Simplex, Solver},
 };
 
-/// Version of the fitter. It increases whenever the same recipe gives other bytes.
+/// Version of the fitter. It increases whenever a recipe gives different bytes than before.
 pub const FITTER_VERSION: u32 = 4;
 
 /// The effort and method of the fit.
@@ -38,8 +38,8 @@ pub struct FitSettings {
     /// Shifts the sample sequences of `bfgs`, and seeds the generator of `sgd`.
     #[doc(hidden)]
     pub seed: u64,
-    /// The settings of a solver with a simplex. The canonical form has them only for such a solver, which keeps the
-    /// digests of older recipes.
+    /// The settings of a solver with a simplex. The canonical form contains them only for such a solver, so the digests
+    /// of older recipes do not change.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     #[doc(hidden)]
     pub simplex: Option<Simplex>,
@@ -52,7 +52,7 @@ pub enum StoredTerms {
     None,
     /// Amplitude and Fresnel term, for Schlick's Fresnel factor.
     Schlick,
-    /// Amplitude, Fresnel term and edge term, for metals by F82.
+    /// Amplitude, Fresnel term and edge term, for metals with the F82 factor.
     F82,
 }
 
@@ -96,8 +96,8 @@ pub struct Recipe {
     #[serde(flatten)]
     #[doc(hidden)]
     pub brdf: BrdfModel,
-    /// The distribution that represents a lobe. The canonical form names it only if it is not the default, which keeps
-    /// the digests of older recipes.
+    /// The distribution that represents a lobe. The canonical form names it only if it is not the default, so the
+    /// digests of older recipes do not change.
     #[serde(skip_serializing_if = "LobeModel::is_default")]
     #[doc(hidden)]
     pub lobe: LobeModel,
@@ -110,9 +110,9 @@ pub struct Recipe {
     /// The lowest and highest value on each axis.
     #[doc(hidden)]
     pub range: PerAxis<[f64; 2]>,
-    /// Explicit nodes, and materials. The range and resolution of their axes are their ends and their number; materials
-    /// have one ratio each. The canonical form has them, as `nodes` and `materials`, only if there are any, which keeps
-    /// the digests of older recipes.
+    /// Explicit nodes, and materials. If an axis has explicit nodes, its range and resolution are the ends and the
+    /// number of the nodes. With materials, the resolution of the ratio is 1. The canonical form contains `nodes` and
+    /// `materials` only if the recipe lists any, so the digests of older recipes do not change.
     #[serde(flatten)]
     #[doc(hidden)]
     pub given: GivenNodes,
@@ -239,7 +239,7 @@ impl Recipe {
         self.precision
     }
 
-    /// False if the lobes of the scattering model are LTCs and the table stores LTCs. Nothing is fitted then.
+    /// False if the lobes of the scattering model are LTCs and the table stores LTCs. The table then needs no fit.
     #[must_use]
     pub fn is_searched(&self) -> bool {
         !(self.lobe == LobeModel::Ltc && self.brdf.kind().is_ltc())
@@ -251,7 +251,7 @@ impl Recipe {
         self.given.in_place_of(self.layout.nodes(&self.range, &self.resolution))
     }
 
-    /// The numbers of an entry: one or two matrices, and the terms.
+    /// How many numbers an entry has: one or two matrices, and the terms.
     #[must_use]
     pub fn entry_numbers(&self) -> u64 {
         let matrices = if self.brdf.fresnel().second().is_some() { 2 } else { 1 };
@@ -271,8 +271,8 @@ impl Recipe {
     /// Entries of the table: the product of the resolutions.
     #[must_use]
     pub fn entries(&self) -> u64 {
-        // The product of four u32 fits u128. A recipe within the entry limit fits u64. The conversion saturates, so
-        // this function never fails.
+        // The product of four u32 fits u128. For a recipe within the entry limit, the product fits u64. The conversion
+        // saturates, so this function never fails.
         let product: u128 = self.resolution.named().iter().map(|(_, n)| u128::from(**n)).product();
         u64::try_from(product).unwrap_or(u64::MAX)
     }

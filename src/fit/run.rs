@@ -40,8 +40,8 @@ pub fn fit_entries(plan: &Plan, progress: &Progress) -> Option<Vec<FittedEntry>>
         })
     };
     let rows: Vec<u64> = (0..plan.rows()).collect();
-    // Threads take one row at a time, so they all end together. The results are in the order of the rows, whichever row
-    // ends first.
+    // Threads take one row at a time, so all threads end at about the same time. The results are in the order of the
+    // rows, whichever row ends first.
     let fitted: Option<Vec<_>> = rows.into_par_iter().with_max_len(1).map(fit_row).collect();
     Some(fitted?.concat())
 }

@@ -11,17 +11,19 @@ use super::{
     table::blend_weight,
 };
 
-/// The smallest weight for the second matrix. Below it the blend is nearly the first lobe, and its difference divided
-/// by the weight would be mostly the noise of two fits. With limits from 0.02 to 0.2, the error of the default table
-/// differs by less than 2 %.
+/// The smallest weight for the second matrix. Below this weight, the blend is nearly the first lobe. The difference of
+/// the two lobes divided by the weight would be mostly the noise of two fits. With limits from 0.02 to 0.2, the error
+/// of the default table differs by less than 2 %.
 const LEAST_WEIGHT: f64 = 0.05;
-/// The smallest determinant of the second matrix, relative to the first matrix. No blend between them is then flat.
+/// The smallest determinant of the second matrix, relative to the determinant of the first matrix. No blend between the
+/// two matrices is then flat.
 const LEAST_DETERMINANT: f64 = 1.0 / 16.0;
 
-/// Entries with the second matrix as their matrix, in storage order; `None` for a plan with one lobe an entry.
+/// Copies of the entries whose `matrix` is the stored second matrix, in storage order; `None` for a plan with one lobe
+/// per entry.
 ///
 /// The second lobe of [`SecondLobe::Integrated`] is stored as fitted. The lobe of [`SecondLobe::Blended`] was fitted
-/// for one F0. Its entry stores the matrix whose blend with the first matrix, at the weight of this F0, is the fitted
+/// for one F0. The entry stores the matrix whose blend with the first matrix, at the weight of this F0, is the fitted
 /// matrix: see [`beyond`].
 pub(super) fn entries(plan: &Plan, entries: &[FittedEntry]) -> Option<Vec<FittedEntry>> {
     let second = plan.recipe().brdf.fresnel().second()?;
@@ -36,11 +38,11 @@ pub(super) fn entries(plan: &Plan, entries: &[FittedEntry]) -> Option<Vec<Fitted
     Some((0..).zip(entries).map(of_entry).collect())
 }
 
-/// The second matrix, row-major. Its blend with the entry's matrix is the lobe fitted for one F0. The blend is in the
+/// The second matrix, row-major. Its blend with the entry's matrix is the lobe fitted for one F0. The blend uses the
 /// numbers that the layout's lookup blends.
 fn end_of_blend(plan: &Plan, index: u64, entry: &FittedEntry, fitted: &[f64; 9]) -> [f64; 9] {
     let (place, recipe) = (plan.place(index), plan.recipe());
-    // Layouts of isotropic tables store the matrix of the lobe or its inverse. Lookups blend the matrix.
+    // Layouts of isotropic tables store the matrix of the lobe or its inverse. Lookups blend the matrix of the lobe.
     let gauge = if recipe.layout.free_numbers().is_some() { Layout::Godot } else { recipe.layout };
     let rules = gauge.rules();
     let terms = LobeTerms { amplitude: entry.amplitude, fresnel: entry.fresnel };
@@ -54,14 +56,15 @@ fn end_of_blend(plan: &Plan, index: u64, entry: &FittedEntry, fitted: &[f64; 9])
     row_major(&rules.restore(&place, &LobeNumbers { matrix, terms }).matrix)
 }
 
-/// The matrix `E` whose blend with `M` at weight `w` has the lobe of `B`. All have a third column of unit length:
+/// The matrix `E` whose blend with `M` at weight `w` has the lobe of `B`. All three matrices have a third column of
+/// unit length:
 ///
 /// ```text
 /// E = (s B - (1 - w) M) / w,    s = (1 - w) c + sqrt(w^2 - (1 - w)^2 (1 - c^2))
 /// ```
 ///
 /// with `c` the cosine between the third columns of `M` and `B`. If no `s` gives a third column of unit length, or if
-/// `E` is flat, `w` is doubled until it works. `E` is then nearer to `B`.
+/// `E` is nearly flat, `w` is doubled until neither is the case. `E` is then nearer to `B`.
 fn beyond(first: &DMat3, blend: &DMat3, weight: f64) -> DMat3 {
     let mut weight = weight;
     while weight < 1.0 {
@@ -101,7 +104,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_blend_with_what_lies_beyond_is_the_fitted_lobe(m in numbers(), b in numbers(), weight in 0.55..1.0) {
+        fn the_blend_with_the_second_matrix_is_the_fitted_lobe(m in numbers(), b in numbers(), weight in 0.55..1.0) {
             let (first, blend) = (matrix(m), matrix(b));
             let end = beyond(&first, &blend, weight);
             prop_assert!((end.z_axis.length() - 1.0).abs() < 1e-12);

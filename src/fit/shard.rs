@@ -15,8 +15,8 @@ use super::{
     stop_check::StopCheck,
 };
 
-/// The largest predicted time of a shard. Short shards let a waiting job begin soon, and lose little work with a
-/// worker.
+/// The largest predicted time of a shard. With short shards, a waiting job begins soon, and little work is lost if a
+/// worker fails.
 const SHARD_SECONDS: f64 = 1.0;
 /// The smallest number of entries of a shard, for tables that take a few seconds. With fewer entries, leasing would
 /// take longer than fitting.
@@ -26,9 +26,9 @@ const MANY_SHARDS: u64 = 256;
 
 /// A recipe's nodes and their division into shards. Both depend on the recipe alone.
 ///
-/// Entries with the same alpha, ratio and theta form a view. They share work if symmetry makes them equal. A row is one
-/// view. If each view starts from the previous view, a row is all views with the same alpha and ratio. A shard is a
-/// whole number of rows, so its entries do not depend on other shards.
+/// Entries with the same alpha, ratio and theta form a view. They share work if symmetry makes them equal. Usually a
+/// row is one view. If each view starts from the previous view, a row is all views with the same alpha and ratio. A
+/// shard is a whole number of rows, so its entries do not depend on other shards.
 #[derive(Debug, Clone)]
 pub struct Plan {
     recipe: Recipe,
@@ -126,8 +126,8 @@ pub fn fit_shard(
     fit_rows(plan, rows, &mut Fitter::new(&plan.recipe.fit).of(plan.recipe.lobe), on_progress)
 }
 
-/// Fits the entries of some rows in storage order. It is [`fit_shard`] for callers without leases, whose threads should
-/// end together. `fitter` has the plan's settings and lobe model.
+/// Fits the entries of some rows in storage order. Unlike [`fit_shard`], it is for callers that do not lease shards and
+/// want all threads to end at about the same time. `fitter` must have the plan's settings and lobe model.
 pub fn fit_rows(
     plan: &Plan,
     rows: Range<u64>,
@@ -161,9 +161,9 @@ fn fit_row(
     Some(())
 }
 
-/// The matrix from which the first view of a row with warm starts begins, in the frame of its lobe. The lobe is seen
-/// from above. The search starts at the plan's largest roughness and halves it, each fit starting from the previous
-/// fit.
+/// The start matrix for the first view of a row with warm starts, in the frame of its lobe. It is the matrix of the
+/// lobe seen from above. This lobe is fitted at the plan's largest roughness, then at half of it, and so on down to
+/// `alpha`; each fit starts from the previous fit.
 fn from_above(plan: &Plan, alpha: f64, fitter: &mut Fitter, stop_check: &mut StopCheck) -> Option<DMat3> {
     let mut rough = plan.place(plan.entries() - 1).alpha;
     let mut near = None;
@@ -178,9 +178,9 @@ fn from_above(plan: &Plan, alpha: f64, fitter: &mut Fitter, stop_check: &mut Sto
     }
 }
 
-/// Fits the entries of the view whose first entry is `first`, each lobe once. It starts from `near`, if given, and sets
-/// `near` to the start of the next view. Seen from above, the lobe is the same for every phi. On an isotropic surface
-/// it turns with phi.
+/// Fits the entries of the view whose first entry is `first`. It starts from `near`, if given, and sets `near` to the
+/// start of the next view. Equal lobes are fitted once: seen from above, the lobe is the same for every phi, and on an
+/// isotropic surface the lobe turns with phi.
 fn fit_view(
     plan: &Plan,
     first: u64,
@@ -224,8 +224,8 @@ fn fit_view(
     Some(())
 }
 
-/// The entry of a round lobe, without the asymmetry of its samples. Its x and y are equal, because a lookup can swap
-/// them.
+/// The entry of a round lobe, without the asymmetry of its samples. Its x and y are made equal, because a lookup can
+/// swap x and y.
 fn round(entry: &FittedEntry) -> FittedEntry {
     let round = |[xx, _, _, _, yy, _, _, _, zz]: [f64; 9]| {
         let radius = 0.5 * (xx + yy);
@@ -240,12 +240,12 @@ fn turned(entry: &FittedEntry, phi: f64) -> FittedEntry {
     FittedEntry { matrix: turn(entry.matrix), second: entry.second.map(turn), ..*entry }
 }
 
-/// The numbers of an entry in a shard's bytes: the matrix, amplitude, Fresnel term and error.
+/// How many numbers an entry has in a shard's bytes: the matrix, amplitude, Fresnel term and error.
 const NUMBERS: usize = 12;
-/// The numbers of a second matrix, which follow.
+/// How many numbers follow if the entry has a second matrix.
 const SECOND: usize = 9;
 
-/// Bytes whose number is wrong for the entries of a shard.
+/// The number of bytes does not match the entries of a shard.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("the result of a shard has {actual} bytes; expected {expected}")]
 pub struct ShardBytesError {
@@ -255,7 +255,7 @@ pub struct ShardBytesError {
     pub actual: usize,
 }
 
-/// Encodes a finished shard: 12 little-endian f64 an entry (matrix, amplitude, Fresnel term, error), and 9 more if the
+/// Encodes a finished shard: 12 little-endian f64 per entry (matrix, amplitude, Fresnel term, error), and 9 more if the
 /// entry has a second matrix.
 #[must_use]
 pub fn shard_to_bytes(entries: &[FittedEntry]) -> Vec<u8> {

@@ -20,7 +20,7 @@ pub fn ggx_terms(layout: Layout, axes: &PerAxis<Vec<f64>>) -> Terms {
 }
 
 /// A scattering model's amplitude and Fresnel term at every node, as a layout stores them, in storage order. Runs on
-/// the current rayon pool. Its size does not change the result.
+/// the current rayon pool. The size of the pool does not change the result.
 ///
 /// Domain: nodes that a fit can have, and a model that [is complete](BrdfModel::is_complete).
 #[must_use]
@@ -41,9 +41,9 @@ pub fn terms_of(brdf: &BrdfModel, layout: Layout, axes: &PerAxis<Vec<f64>>) -> T
 }
 
 /// A scattering model's [`edge_spread`] at every node, in storage order. All layouts store the edge term in this form.
-/// Runs on the current rayon pool. Its size does not change the result.
+/// Runs on the current rayon pool. The size of the pool does not change the result.
 ///
-/// Domain: as [`terms_of`].
+/// Domain: the same as for [`terms_of`].
 #[must_use]
 pub fn edge_spreads(brdf: &BrdfModel, layout: Layout, axes: &PerAxis<Vec<f64>>) -> Vec<f64> {
     let PerAxis { alpha, ratio, theta, phi } = layout.lengths(axes);
@@ -96,7 +96,8 @@ mod tests {
             let (found, fitted) = (ggx_terms(layout, &table.axes), table.terms.expect("the recipe asks for them"));
             assert_eq!(found.amplitude.len(), 72);
             let pairs = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
-            // The fit takes 2048 samples of the lobe. The smallest amplitude, at the horizon, is 0.5.
+            // The fit takes only 2048 samples of the lobe, which limits the agreement. The smallest amplitude, at the
+            // horizon, is 0.5.
             assert!(pairs(&found.amplitude, &fitted.amplitude) < 4e-3, "{found:?} {fitted:?}");
             assert!(pairs(&found.fresnel, &fitted.fresnel) < 4e-3, "{found:?} {fitted:?}");
         }

@@ -1,4 +1,4 @@
-//! Tables, BRDFs and polygons with known numbers, for tests of the layers above.
+//! Tables, BRDFs and polygons with known numbers, for tests of other crates.
 
 pub use super::{
     brdf::{planted_anisotropic, planted_tabulated},

@@ -14,9 +14,9 @@ use ltcforge_fit::{
     BrdfKind, Layout, LobeModel, Metric, Precision, Recipe, SecondLobe, Shear, Solver, Start, StoredTerms, WeightedF0,
 };
 
-/// Makes a [`Recipe`] field by field. A field that is not set has the value that a document without it has.
+/// Makes a [`Recipe`] field by field. Fields that are not set have the defaults of a recipe document.
 ///
-/// Fields and bounds are those of a recipe document: a builder makes no recipe that a document could not describe.
+/// Fields and bounds are the same as in a recipe document. A builder makes only recipes that a document can describe.
 #[derive(Debug, Clone)]
 #[must_use]
 pub struct RecipeBuilder {
@@ -27,16 +27,16 @@ pub struct RecipeBuilder {
 
 /// A recipe and its documents.
 pub trait RecipeDocument: Sized {
-    /// A builder, preset `standard`.
+    /// A builder with preset `standard`.
     fn builder() -> RecipeBuilder;
 
-    /// Reads a recipe document. The file of a tabulated BRDF is found from the working folder.
+    /// Reads a recipe document. The path of a tabulated BRDF's file is relative to the working folder.
     ///
     /// # Errors
     /// [`Error::Recipe`] with every fault of the document.
     fn from_json(json: &[u8]) -> Result<Self, Error>;
 
-    /// The canonical JSON (RFC 8785), all defaults filled in.
+    /// The canonical JSON (RFC 8785), with all defaults filled in.
     #[must_use]
     fn to_json(&self) -> String;
 
@@ -63,7 +63,7 @@ impl RecipeDocument for Recipe {
     }
 }
 
-/// Reads a document; files of BRDFs are found from the working folder.
+/// Reads a document. Paths of BRDF files are relative to the working folder.
 fn read(json: &[u8], entry_limit: u64) -> Result<Recipe, Error> {
     let folders = [PathBuf::from(".")];
     Ok(parse_with(json, entry_limit, &|name| Ok(locate(&folders, name)?.file))?)
@@ -90,18 +90,19 @@ impl RecipeBuilder {
         self.set("brdf", brdf.name())
     }
 
-    /// A BRDF of numbers in a file: its path, or its digest where the working folder has it as `HEX.brdf.safetensors`.
-    /// `build` reads it.
+    /// A tabulated BRDF. `file` is the path of its file, or its digest if the working folder has
+    /// `HEX.brdf.safetensors`. `build` reads the file.
     pub fn tabulated(self, file: impl Into<String>) -> Self {
         self.brdf(BrdfKind::Tabulated).set("tabulated", file.into())
     }
 
-    /// The materials whose lobe is fitted, by their reflectances seen from above and weights; a perfect metal unless set.
+    /// The materials whose lobe is fitted: reflectances at normal incidence, and weights. The default is a perfect
+    /// metal.
     pub fn materials(self, materials: &[WeightedF0]) -> Self {
         self.set("fresnel", json!(materials))
     }
 
-    /// Two lobes an entry, for materials of any reflectance, and how the second is used.
+    /// Two lobes per entry, for materials of any reflectance. `second` determines how the second lobe is used.
     pub fn two_lobes(self, second: SecondLobe) -> Self {
         self.set("fresnel", second.name())
     }
@@ -126,33 +127,34 @@ impl RecipeBuilder {
         self.set("terms", terms)
     }
 
-    /// Stores the edge term as well, by which metals weigh light by F82.
+    /// Stores the edge term as well, which metals with F82 need.
     pub fn f82_terms(self) -> Self {
         self.set("terms", StoredTerms::F82_NAME)
     }
 
-    /// Nodes on the axis `axis`: `alpha`, `ratio`, `theta` or `phi`.
+    /// Number of nodes on the axis `axis`: `alpha`, `ratio`, `theta` or `phi`.
     pub fn resolution(self, axis: &str, nodes: u32) -> Self {
         self.set_in("resolution", axis, nodes)
     }
 
-    /// Lowest and highest value on an axis; a single value takes one node.
+    /// Lowest and highest value on an axis. A range of a single value has one node.
     pub fn range(self, axis: &str, low: f64, high: f64) -> Self {
         self.set_in("range", axis, json!([low, high]))
     }
 
-    /// Nodes of an axis one by one, ascending, in place of its range and resolution.
+    /// Listed nodes of an axis, ascending, instead of its range and resolution.
     pub fn nodes(self, axis: &str, nodes: &[f64]) -> Self {
         self.set_in("nodes", axis, json!(nodes))
     }
 
-    /// The materials of layout `materials`, which this sets: pairs of alpha and ratio, in the order of their numbers.
+    /// The materials of layout `materials`: pairs of alpha and ratio, in the order of their numbers. Also sets the
+    /// layout.
     pub fn surfaces(self, pairs: &[[f64; 2]]) -> Self {
         let list: Vec<Value> = pairs.iter().map(|[alpha, ratio]| json!({ "alpha": alpha, "ratio": ratio })).collect();
         self.set("layout", Layout::Materials.name()).set("materials", list)
     }
 
-    /// Isotropic surfaces alone: ratio 1 and one phi.
+    /// Isotropic surfaces only: ratio 1 and one phi.
     pub fn isotropic(self) -> Self {
         self.range("ratio", 1.0, 1.0).range("phi", 0.0, 0.0)
     }
@@ -187,7 +189,7 @@ impl RecipeBuilder {
         self.set_in("fit", "directions", directions)
     }
 
-    /// Most steps.
+    /// Maximum number of steps.
     pub fn steps(self, steps: u32) -> Self {
         self.set_in("fit", "steps", steps)
     }
@@ -197,13 +199,13 @@ impl RecipeBuilder {
         self.set_in("fit", "seed", seed)
     }
 
-    /// Most entries that the table may have; two million unless set.
+    /// Maximum number of entries of the table. The default is two million.
     pub fn entry_limit(mut self, entries: u64) -> Self {
         self.entry_limit = entries;
         self
     }
 
-    /// The recipe.
+    /// Builds the recipe.
     ///
     /// # Errors
     /// [`Error::Recipe`] with every field that is out of its bounds or does not fit the others.
@@ -222,7 +224,7 @@ mod tests {
     use ltcforge_files::recipe_document::RecipeError;
 
     #[test]
-    fn a_built_recipe_is_that_of_its_document() {
+    fn a_built_recipe_equals_its_document() {
         let built = Recipe::builder()
             .preset(Preset::Draft)
             .layout(Layout::Kt2022)
@@ -244,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn an_invalid_one_names_every_fault() {
+    fn an_invalid_recipe_names_every_fault() {
         let refused = Recipe::builder().samples(1).range("alpha", 0.5, f64::NAN).resolution("beta", 3).build();
         let Err(Error::Recipe(RecipeError::Faults(faults))) = refused else { panic!("{refused:?}") };
         let pointers: Vec<&str> = faults.iter().map(|fault| fault.pointer.as_str()).collect();

@@ -5,7 +5,7 @@ use std::{io, path::PathBuf};
 use ltcforge_files::{container::TableFileError, recipe_document::RecipeError, tabulated::TabulatedError};
 use ltcforge_light::LightError;
 
-/// The reason that a call of the library failed.
+/// Why a call of the library failed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

@@ -14,7 +14,7 @@ pub fn fit(recipe: &Recipe) -> Result<TableFile, Error> {
     Fit::new(recipe).run()
 }
 
-/// A fit and how it is to run. Neither threads nor progress change the table.
+/// A fit and its settings. Neither threads nor progress change the table.
 #[must_use]
 pub struct Fit<'a> {
     recipe: &'a Recipe,
@@ -34,13 +34,13 @@ impl<'a> Fit<'a> {
         Self { recipe, threads: None, progress: None }
     }
 
-    /// The number of threads; as many as there are cores unless set.
+    /// The number of threads. The default is the number of cores.
     pub fn threads(mut self, threads: NonZeroUsize) -> Self {
         self.threads = Some(threads);
         self
     }
 
-    /// A callback that gets the count of finished entries, out of [`Recipe::entries`], and may stop the fit. Several
+    /// A callback that gets the number of finished entries, out of [`Recipe::entries`], and may stop the fit. Several
     /// threads call it.
     pub fn progress(mut self, progress: impl Fn(u64) -> ControlFlow<()> + Sync + 'a) -> Self {
         self.progress = Some(Box::new(progress));
@@ -50,8 +50,8 @@ impl<'a> Fit<'a> {
     /// Runs the fit to its end.
     ///
     /// # Errors
-    /// [`Error::Stopped`] when the progress callback says so, [`Error::Threads`], [`Error::Table`] for a recipe without
-    /// the file of its tabulated BRDF.
+    /// [`Error::Stopped`] when the progress callback stops the fit, [`Error::Threads`], and [`Error::Table`] for a
+    /// recipe without the file of its tabulated BRDF.
     pub fn run(self) -> Result<TableFile, Error> {
         if !self.recipe.model().is_complete() {
             let missing = "a recipe that was read from a table has no BRDF file; build the recipe again".to_owned();
@@ -92,7 +92,7 @@ mod tests {
         assert_eq!(most.into_inner(), recipe.entries());
     }
 
-    /// Whichever thread fits which row, and although a search starts from another's result.
+    /// Any thread may fit any row, and a search starts from the result of another search.
     #[test]
     fn warm_starts_give_the_same_table_on_any_number_of_threads() {
         let builder = Recipe::builder().layout(Layout::Godot).resolution("alpha", 6).resolution("theta", 7);

@@ -1,11 +1,11 @@
-//! Pictures on lights.
+//! Prefiltered pictures on lights.
 
 use super::Error;
 use ltcforge_light::textured::LightPyramid;
 use ltcforge_textures::LightPicture;
 
-/// The prefiltered pyramid of a picture (PNG, `OpenEXR`, Radiance HDR or JPEG) on a rectangle light of this width and
-/// height, in any unit. Its files are made by [`light_texture_files`](ltcforge_textures::light_texture_files).
+/// The prefiltered pyramid of a picture (PNG, `OpenEXR`, Radiance HDR or JPEG) on a rectangular light of this width and
+/// height, in any unit. [`light_texture_files`](ltcforge_textures::light_texture_files) makes its files.
 ///
 /// ```
 /// # fn main() -> Result<(), ltcforge::Error> {

@@ -14,11 +14,11 @@ pub fn light<'a>(at: &Configuration, light: impl Into<AreaLight<'a>>) -> Result<
     Ok(by_normals(at, light, NormalsRule::Balanced)?)
 }
 
-/// [`light()`] by a table of LTCs, as a shader computes it. Disks, spheres, tubes and lines are not replaced by
-/// polygons.
+/// Like [`light()`], but with a table of LTCs, as a shader computes it. Disks, spheres, tubes and lines are not
+/// replaced by polygons.
 ///
 /// # Errors
-/// [`Error::Light`] as [`light()`], and for a table without amplitude and Fresnel term.
+/// [`Error::Light`] in the same cases as [`light()`], and for a table without amplitude and Fresnel term.
 pub fn light_by_table<'a>(
     table: &Table,
     at: &Configuration,
@@ -27,11 +27,11 @@ pub fn light_by_table<'a>(
     Ok(by_table(table, at, light)?)
 }
 
-/// [`light_by_table()`] without the light that an LTC lets through from below the surface: the lights and the lobe are
-/// cut at the surface.
+/// Like [`light_by_table()`], but cuts the lights and the lobe at the surface. An LTC without the cut also reflects
+/// light from below the surface.
 ///
 /// # Errors
-/// [`Error::Light`] as [`light_by_table()`].
+/// [`Error::Light`] in the same cases as [`light_by_table()`].
 pub fn light_by_table_above<'a>(
     table: &Table,
     at: &Configuration,

@@ -8,7 +8,7 @@ use ltcforge_translate::port;
 /// little-endian order.
 ///
 /// Text begins with a comment that explains how to call the shader and lists values that a port has to reproduce.
-/// SPIR-V holds that comment in its `OpSource`.
+/// SPIR-V contains this comment in its `OpSource`.
 ///
 /// # Errors
 /// [`Error::Shader`] when naga does not translate the shader, which is a defect of this crate.

@@ -13,7 +13,7 @@ use ltcforge_files::{
 };
 use ltcforge_fit::{Recipe, Table};
 
-/// The table of a recipe: read from `folder` if it was fitted before, otherwise fitted and stored there under the
+/// The table of a recipe. It is read from `folder` if it was fitted before, otherwise fitted and stored there under the
 /// recipe's digest.
 ///
 /// A damaged file, or the table of another recipe, is replaced. The folder is created if it is missing.
@@ -45,15 +45,14 @@ pub fn cached(recipe: &Recipe, folder: impl AsRef<Path>) -> Result<TableFile, Er
 /// keep the file of a tabulated BRDF.
 ///
 /// # Errors
-/// [`Error::File`] when one of them cannot be written. No half-written file is left then, and no manifest without its
-/// table.
+/// [`Error::File`] when a file cannot be written. Then no half-written file remains, and no manifest without its table.
 pub fn write_table(file: &TableFile, folder: impl AsRef<Path>) -> Result<(Digest, PathBuf), Error> {
     let bytes = file.to_bytes()?;
     let digest = Digest::of(&bytes);
     let manifest = file.manifest()?;
     let manifest_path = folder.as_ref().join(format!("{}.manifest.json", digest.hex()));
     let path = folder.as_ref().join(format!("{}.safetensors", digest.hex()));
-    // The table comes first, so that there is never a manifest without its table, whenever the process ends.
+    // The table is written first, so that there is never a manifest without its table, even if the process ends here.
     replace_pair((&path, &bytes), (&manifest_path, manifest.as_bytes()))
         .map_err(|PairError { path, source }| Error::File { path, source })?;
     Ok((digest, path))
@@ -87,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn a_table_is_written_beside_its_manifest() {
+    fn a_table_is_written_next_to_its_manifest() {
         let folder = tempfile::tempdir().expect("a folder");
         let file = fit(&tiny(1)).expect("a table");
         let (digest, path) = write_table(&file, folder.path().join("new")).expect("two files");

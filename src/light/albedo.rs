@@ -1,23 +1,24 @@
 //! The albedo of GGX without a table, and compensation for the energy lost by shadowing.
 //!
-//! A model of one bounce loses rays that hit other facets. White metal of alpha 1 under uniform light reflects less
-//! than half of it. The missing light is added in proportion to the reflected light [Turquin 2019, after Kulla and
-//! Conty 2017; Fdez-Agüera 2019]. With the albedo `E` for a Fresnel factor of one, the factor is
+//! A model with a single bounce loses rays that hit other facets. White metal of alpha 1 under uniform light reflects
+//! less than half of the light. The missing light is added in proportion to the reflected light [Turquin 2019, after
+//! Kulla and Conty 2017; Fdez-Agüera 2019]. With the albedo `E` for a Fresnel factor of one, the factor is
 //!
 //! ```text
 //! 1 + f0 (1 / E - 1)
 //! ```
 //!
-//! White metal then reflects all light, and light that bounces twice is coloured twice. In tables `E` is the amplitude.
-//! Without a table it is a cubic of four numbers of a surface and a view,
+//! White metal then reflects all light, and light that bounces twice is coloured twice. In tables, `E` is the
+//! amplitude. Without a table, a cubic polynomial approximates it:
 //!
 //! ```text
 //! 1 - E = p(r, s, a, b)
 //! ```
 //!
-//! of the height `r = wo_z / |A wo|`, the part `s` of light that is shadowed at the reflection of the central visible
-//! normal, and the larger and the smaller roughness `a` and `b`. Each term has a factor `s`, `a` or `b`, so a mirror
-//! loses nothing. `cargo run --release -p ltcforge-studies -- albedo` finds the numbers and prints their error.
+//! `r` is the height `wo_z / |A wo|`. `s` is the shadowed part of the light from the direction that the central visible
+//! normal reflects. `a` and `b` are the larger and the smaller roughness. Each term has a factor `s`, `a` or `b`, so a
+//! mirror loses nothing. `cargo run --release -p ltcforge-studies -- albedo` finds the coefficients and prints their
+//! error.
 
 use super::{LightError, rules::surface_and_view};
 use ltcforge_fit::{
@@ -25,7 +26,7 @@ use ltcforge_fit::{
     math::{Lattice, Scalar, Triple, direction, dot, minus, plus, scaled},
 };
 
-/// The numbers of the cubic, in the order of [`factors`]. `shaders/ltc_albedo.wgsl` has the same numbers.
+/// The coefficients of the cubic, in the order of [`factors`]. `shaders/ltc_albedo.wgsl` has the same coefficients.
 #[rustfmt::skip]
 pub const LOSS: [f64; 31] = [
     5.363, -16.3138, 16.1379, 0.6751, 2.6458, 13.3242, 12.9676, -2.6392,
@@ -34,13 +35,13 @@ pub const LOSS: [f64; 31] = [
     -0.3276, -0.3395, 0.7035, 0.7827, -0.3537, 0.0475, -0.2428,
 ];
 
-/// The smallest albedo. The cubic is inaccurate for rough surfaces at grazing views.
+/// The smallest albedo. This limit is needed for rough surfaces at grazing views, where the cubic is inaccurate.
 const LEAST: f64 = 0.2;
 
 /// The number of samples of [`sampled`].
 const SAMPLES: usize = 4096;
 
-/// The four inputs of the cubic for a surface and a view. Domain: as [`albedo`].
+/// The four inputs of the cubic for a surface and a view. Domain: as for [`albedo`].
 #[must_use]
 pub fn inputs<T: Scalar>([alpha_x, alpha_y]: [T; 2], wo: Triple<T>) -> [T; 4] {
     let stretch = |w: Triple<T>| [alpha_x * w[0], alpha_y * w[1], w[2]];
@@ -56,8 +57,7 @@ pub fn inputs<T: Scalar>([alpha_x, alpha_y]: [T; 2], wo: Triple<T>) -> [T; 4] {
     [rise, T::ONE - lit, alpha_x.max(alpha_y), alpha_x.min(alpha_y)]
 }
 
-/// The products of the inputs that the numbers of the cubic multiply: `s`, `a` and `b`, each times the terms of a
-/// quadratic.
+/// The terms of the cubic without their coefficients: `s`, `a` and `b`, each times the terms of a quadratic polynomial.
 #[must_use]
 pub fn factors<T: Scalar>([r, s, a, b]: [T; 4]) -> [T; 31] {
     let one = T::ONE;

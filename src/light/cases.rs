@@ -46,7 +46,7 @@ impl Lit {
     }
 
     /// All descriptions of the same scene: unchanged, and mirrored in x, in y, in both and in the diagonal, each with
-    /// the light starting at every corner, in both orders.
+    /// vertices that start at every corner, in both orders.
     pub fn tellings(&self) -> impl Iterator<Item = Self> + '_ {
         let mirrored = MIRRORS.iter().map(|(phi, is_swapped, mirror)| {
             let Configuration { alpha_x, alpha_y, theta, phi: own } = self.at;
@@ -105,7 +105,7 @@ pub enum Roughness {
     All,
     /// alpha 0.1 to 0.6, ratio 0.03 to 0.23.
     Anisotropic,
-    /// alpha and ratio over decades, from 1e-4 and 1e-2.
+    /// alpha 1e-4 to 1, ratio 1e-2 to 1; their logarithms are uniform.
     Extreme,
 }
 
@@ -134,7 +134,7 @@ impl Draw {
         DVec3::new(self.normal(), self.normal(), self.normal())
     }
 
-    /// A random surface seen from above 88 degrees.
+    /// A random surface and view. The view is at most 88 degrees from the normal, or 89.9 for [`Roughness::Extreme`].
     pub fn configuration(&mut self, roughness: Roughness) -> Configuration {
         let [alpha, ratio] = match roughness {
             Roughness::All => [self.within(0.0, 1.0).powi(2).max(0.01), self.within(0.0, 1.0)],
@@ -149,13 +149,13 @@ impl Draw {
         Configuration { alpha_x, alpha_y, theta: self.within(0.0, most.to_radians()), phi: self.within(0.0, TAU) }
     }
 
-    /// A rectangle at distance one, around a direction that the lobe reflects. Its half width is 0.05 to 1.2 times up
-    /// to e.
+    /// A rectangle at distance one, around a direction that the lobe reflects. Its size is 0.05 to 1.2. One half width
+    /// is the size times a factor from 1/e to e, and the other is the size divided by this factor.
     pub fn lit(&mut self, roughness: Roughness) -> Lit {
         self.lit_by(roughness, [0.05, 1.2])
     }
 
-    /// Like [`Draw::lit`], with another range of half widths.
+    /// Like [`Draw::lit`], with another range of sizes.
     pub fn lit_by(&mut self, roughness: Roughness, [least, most]: [f64; 2]) -> Lit {
         loop {
             let at = self.configuration(roughness);
@@ -195,7 +195,7 @@ impl Draw {
     }
 }
 
-/// The number of halvings of a hundredth of a path. Lobes of roughness 1e-5 then change by 1e-8 over it.
+/// The number of halvings of a hundredth of a path. Over the last interval, lobes of roughness 1e-5 change by 1e-8.
 const HALVINGS: u32 = 36;
 
 /// The largest change of a function over a tiny interval in [0, 1]. The search starts with the three of a hundred

@@ -1,4 +1,4 @@
-//! The area lights of engines and papers by their published formulas, for comparison with the models.
+//! The area lights of engines and papers, computed by the published formulas for comparison with the models.
 //!
 //! Engines with isotropic tables use one roughness. Here it is the geometric mean of a surface's two roughnesses, which
 //! is more accurate than either.
@@ -17,16 +17,16 @@ use ltcforge_fit::{
 named_list! {
     /// The method with which engines and papers compute rectangular lights.
     pub enum EngineWay {
-        /// The isotropic table. The part of the vector form factor above the horizon is the part of a sphere with the
-        /// same form factor [Hill and Heitz 2016]. three.js, Babylon.js, PlayCanvas and Bevy use it.
+        /// The isotropic table. The horizon reduces the vector form factor as for a sphere with the same form factor
+        /// [Hill and Heitz 2016]. three.js, Babylon.js, PlayCanvas and Bevy use it.
         Clipless = "ltc2017, clipless",
-        /// Like [`EngineWay::Clipless`], with directions first stretched along x and y by alpha divided by its mean.
-        /// This preserves the shadows of an anisotropic surface [Heitz 2014, section 5.3].
+        /// Like [`EngineWay::Clipless`], with directions first stretched along x and y by each alpha divided by the
+        /// mean of both. This preserves the shadows of an anisotropic surface [Heitz 2014, section 5.3].
         Stretched = "ltc2017, stretched",
         /// The anisotropic table, with the light cut at the lobe's horizon [KT et al. 2022].
         Anisotropic = "kt2022, its own",
         /// GGX towards the point of the light nearest to the mirrored view, times the light's solid angle [Lagarde and
-        /// de Rousiers 2014]. The lobe's peak is lowered as much as the light widens it [Karis 2013].
+        /// de Rousiers 2014]. The lobe's peak is lowered to compensate for the widening by the light [Karis 2013].
         RepresentativePoint = "representative point",
     }
 }
@@ -83,7 +83,7 @@ fn clipless(table: &Table, at: &Configuration, vertices: &[DVec3], sides: Sides)
     Ok(if length > 0.0 { amplitude * length * cheap_form_factor(flux.z / length, length) } else { 0.0 })
 }
 
-/// True if the origin is on a lit side. The vertices run clockwise as seen from there.
+/// True if the origin is on a lit side. The vertices run clockwise as seen from the lit side.
 fn faces(vertices: &[DVec3], sides: Sides) -> bool {
     sides == Sides::Two || volume(vertices) > 0.0
 }

@@ -14,10 +14,11 @@ pub enum LightError {
         /// The index of the vertex, from zero.
         index: usize,
     },
-    /// The outline turns both ways, crosses itself, or turns more than once.
-    #[error("the light is not convex: vertices {0}, {1} and {2} run against the others", .vertices[0], .vertices[1], .vertices[2])]
+    /// The outline turns both ways, crosses itself, or goes around more than once.
+    #[error("the light is not convex: vertices {0}, {1} and {2} turn the other way", .vertices[0], .vertices[1], .vertices[2])]
     NotConvex {
-        /// Three vertices, from zero, that turn against the first three vertices that are not in line.
+        /// The indices, from zero, of three vertices that turn the other way than the first three vertices that are not
+        /// in line.
         vertices: [usize; 3],
     },
     /// The shaded point lies on the outline. The light then has no direction.
@@ -30,7 +31,7 @@ pub enum LightError {
     #[error("the shaded point lies inside the light")]
     Inside,
     /// The half axes of an ellipse are parallel, or one has no length.
-    #[error("the half axes are parallel or zero; an ellipse needs two that span a plane")]
+    #[error("the half axes are parallel or zero; an ellipse needs two half axes that span a plane")]
     Flat,
     /// A length is negative or not finite.
     #[error("{what} is {value}; it must be finite and not negative")]
@@ -40,7 +41,7 @@ pub enum LightError {
         /// The value.
         value: f64,
     },
-    /// A surface or a view direction that has no reflection.
+    /// A number outside its allowed range, such as a roughness, a view direction or a length.
     #[error("{what} is {value}; {allowed}")]
     Domain {
         /// The name of the number.
@@ -54,7 +55,7 @@ pub enum LightError {
     #[error("the table has no amplitude and no Fresnel term: its recipe needs \"terms\": true")]
     NoTerms,
     /// A blend needs two lobes.
-    #[error("the table has one lobe an entry, and a blend needs two: its recipe needs \"fresnel\": \"blended_lobes\"")]
+    #[error("the table has one lobe per entry, but a blend needs two: its recipe needs \"fresnel\": \"blended_lobes\"")]
     OneLobe,
     /// A table has no third term for metals.
     #[error("the table has no edge term for F82: its recipe needs \"terms\": \"f82\"")]
@@ -70,7 +71,7 @@ pub enum LightError {
     OtherBrdf(BrdfKind),
     /// A table has another scattering model than the lights with which it is measured.
     #[error(
-        "the lights are drawn for brdf {lights}, and the table is of brdf {table}: draw lights for the table's brdf"
+        "the lights are for brdf {lights}, but the table is for brdf {table}: draw lights for the brdf of the table"
     )]
     OtherLights {
         /// The scattering model for which the lights were drawn.

@@ -14,7 +14,8 @@ use ltcforge_fit::{
     terms_of,
 };
 
-/// The smallest random roughness. Lobes with less roughness are either inside or outside of a light.
+/// The smallest random roughness. Sharper lobes are almost always either entirely inside or entirely outside of a
+/// light.
 const LEAST_DRAWN_ALPHA: f64 = 0.01;
 const LEAST_DRAWN_ACROSS: f64 = 0.005;
 /// The largest angle of a view from the normal: 88 degrees.
@@ -87,8 +88,8 @@ impl RandomLights {
         self.truth.iter().map(|truth| truth.energy).sum::<f64>() / self.truth.len() as f64
     }
 
-    /// Mean of the light that a material reflects by Schlick's factor, with reflectance `f0` and one at grazing
-    /// incidence.
+    /// Mean of the light that a material with Schlick's factor reflects. Its reflectance is `f0` at normal and one at
+    /// grazing incidence.
     #[must_use]
     pub fn mean_reflected(&self, f0: f64) -> f64 {
         self.truth.iter().map(|truth| truth.schlick(f0, 1.0)).sum::<f64>() / self.truth.len() as f64
@@ -107,11 +108,11 @@ pub fn light_error(model: Lighting<'_>, lights: &RandomLights) -> Result<Spread,
     light_error_by(|at, light| model.reflected(at, light), lights)
 }
 
-/// Like [`light_error`], for a material by Schlick's Fresnel factor, with reflectance `f0` and one at grazing
-/// incidence.
+/// Like [`light_error`], for a material with Schlick's Fresnel factor. Its reflectance is `f0` at normal and one at
+/// grazing incidence.
 ///
 /// # Errors
-/// As [`light_error`].
+/// The errors of [`light_error`].
 pub fn material_error(model: Lighting<'_>, lights: &RandomLights, f0: f64) -> Result<Spread, LightError> {
     let own = with_terms(model, &lights.brdf)?;
     let model = own.as_ref().map_or(model, |table| model.with_table(table));

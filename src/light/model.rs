@@ -1,4 +1,4 @@
-//! The models of light, one folder each and a line in [`LightModel`].
+//! The models of light. Each model has a folder and a line in [`LightModel`].
 
 use super::{
     AreaLight, LightError, albedo, gaussians, ltc,
@@ -64,8 +64,8 @@ impl LightModel {
         self.rules().formula().map_or(&[], Formula::choices)
     }
 
-    /// The model without a table; `None` if it needs one. A missing rule is the default, and so is the rule of a model
-    /// without choices.
+    /// The model without a table; `None` if the model needs a table. The default replaces a missing rule, and any rule
+    /// given for a model without choices.
     #[must_use]
     pub fn closed_form(self, rule: Option<NormalsRule>) -> Option<ClosedForm> {
         let usual = NormalsRule::ALL[0];
@@ -92,7 +92,7 @@ impl LightModel {
         self.rules().table_cost()
     }
 
-    /// The names of the models for which a condition holds, as in a sentence: `normals, sg and asg`.
+    /// The names of the models for which a condition holds, joined as in a sentence: `normals, sg and asg`.
     #[must_use]
     pub fn names_of(holds: impl Fn(Self) -> bool) -> String {
         let names: Vec<&str> = Self::ALL.iter().filter(|model| holds(**model)).map(|model| model.name()).collect();
@@ -145,7 +145,7 @@ impl ClosedForm {
     /// The light weighted by F82's edge weight: see [`ReflectedLight::metal`].
     ///
     /// # Errors
-    /// As [`ClosedForm::reflected`].
+    /// The errors of [`ClosedForm::reflected`].
     pub fn edge<'a>(self, at: &Configuration, light: impl Into<AreaLight<'a>>) -> Result<f64, LightError> {
         let formula = self.model.rules().formula();
         let of = |lit: &LitPoint<'_, f64>| [formula.map_or(0.0, |formula| formula.edge(lit, self.rule)), 0.0];
@@ -191,8 +191,8 @@ impl Lighting<'_> {
         }
     }
 
-    /// The light that a material reflects by Schlick's Fresnel factor, with `f0` at normal and `f90` at grazing
-    /// incidence.
+    /// The light that a material with Schlick's Fresnel factor reflects. Its reflectance is `f0` at normal and `f90` at
+    /// grazing incidence.
     ///
     /// # Errors
     /// The errors of [`Lighting::reflected`] and [`by_blend`].
@@ -236,7 +236,7 @@ impl Lighting<'_> {
     /// The light weighted by F82's edge weight: see [`ReflectedLight::metal`].
     ///
     /// # Errors
-    /// As [`Lighting::reflected`], and [`LightError::NoEdge`] for a table without the edge term.
+    /// The errors of [`Lighting::reflected`], and [`LightError::NoEdge`] for a table without the edge term.
     pub fn edge<'a>(self, at: &Configuration, light: impl Into<AreaLight<'a>>) -> Result<f64, LightError> {
         match self {
             Self::ClosedForm(form) => form.edge(at, light),

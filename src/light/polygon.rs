@@ -81,8 +81,8 @@ fn from_origin((a, b): (DVec3, DVec3)) -> f64 {
 
 /// True if the origin is in a polygon: in its plane, up to rounding, with the outline around it.
 ///
-/// A polygon seen from within its plane has no side. Inside the outline its solid angle would be zero or a hemisphere,
-/// depending on the last digit. Outside the outline it is seen edge-on and covers nothing.
+/// A polygon seen from within its plane has no side. From a point inside the outline, its solid angle would be zero or
+/// a hemisphere, depending on the last digit. From a point outside the outline, it is seen edge-on and covers nothing.
 fn has_inside(vertices: &[DVec3]) -> bool {
     let edges = || vertices.iter().zip(vertices.iter().cycle().skip(1));
     let normal: DVec3 = edges().map(|(a, b)| (*a - vertices[0]).cross(*b - vertices[0])).sum();
@@ -186,8 +186,8 @@ mod tests {
         assert_eq!(PolygonLight::new(vec![DVec3::ZERO; 4], Sides::Two), Err(LightError::OnOutline { edge: 0 }));
     }
 
-    /// Tests polygons of every count, in any plane, in both orders, with one vertex twice, in f64 and rounded to f32
-    /// and to six digits.
+    /// Tests polygons with every number of vertices, in any plane, in both orders, with one vertex twice, in f64 and
+    /// rounded to f32 and to six digits.
     #[test]
     fn a_shaded_point_within_a_polygon_is_refused_and_one_beside_or_above_is_not() {
         let mut refused = 0;
@@ -229,7 +229,7 @@ mod tests {
             }
         }
         assert_eq!(refused, 7 * 8 * 3 * 5 * 2);
-        // The shaded point is in front of all edges of a tiny light straight above.
+        // A tiny light straight above: the shaded point is in front of all its edges.
         let tiny = regular(4, 1).into_iter().map(|v| (v - DVec3::new(0.3, 0.0, 2.0)) * 1e-9 + DVec3::Z).collect();
         assert!(PolygonLight::new(tiny, Sides::Two).is_ok());
     }

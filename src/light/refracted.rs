@@ -10,7 +10,7 @@ use super::{
 use ltcforge_fit::Configuration;
 
 /// The transmission of a light below a rough interface, in f64. It is [`transmitted`] for a checked surface and light.
-/// `eta` is the index on the light's side divided by the index on the viewer's side.
+/// `eta` is the refractive index on the light's side divided by the refractive index on the viewer's side.
 ///
 /// # Errors
 /// [`LightError::Domain`] for a roughness outside [0, 1], a view direction on or below the horizon, and an index

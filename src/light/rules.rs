@@ -43,8 +43,8 @@ pub(crate) trait Formula: Sync {
     /// `(1 - wo . h)^5`.
     fn reflected(&self, lit: &LitPoint<'_, f64>, rule: NormalsRule) -> [f64; 2];
 
-    /// The reflected light weighted by F82's edge weight. The default evaluates it at the incidence that follows from
-    /// Schlick's part.
+    /// The reflected light weighted by F82's edge weight. By default, the edge weight is evaluated at the angle of
+    /// incidence that follows from Schlick's part.
     fn edge(&self, lit: &LitPoint<'_, f64>, rule: NormalsRule) -> f64 {
         edge_of_parts(self.reflected(lit, rule))
     }
@@ -66,7 +66,7 @@ pub struct LitPoint<'a, T> {
     pub sides: Sides,
 }
 
-/// The light that GGX reflects towards the viewer, of a light of radiance one.
+/// The light that GGX reflects towards the viewer, from a light of radiance one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReflectedLight {
     /// The light for a Fresnel factor of one, in [0, 1].
@@ -86,9 +86,9 @@ impl ReflectedLight {
         f0 * (self.energy - self.fresnel) + f90 * self.fresnel
     }
 
-    /// The reflected light of a metal by F82: `f0 (energy - fresnel) + f90 fresnel - b edge`, with `b` of
-    /// [`edge_factor`]. `edge` is the light weighted by [`edge_weight`](ltcforge_fit::brdf::edge_weight). At 82 degrees
-    /// the factor is `tint` times Schlick's factor.
+    /// The light that a metal with the F82 factor reflects: `f0 (energy - fresnel) + f90 fresnel - b edge`, with `b`
+    /// from [`edge_factor`]. `edge` is the light weighted by [`edge_weight`](ltcforge_fit::brdf::edge_weight). At 82
+    /// degrees the factor is `tint` times Schlick's factor.
     #[must_use]
     pub fn metal(&self, edge: f64, [f0, f90]: [f64; 2], tint: f64) -> f64 {
         self.schlick(f0, f90) - edge_factor(f0, f90, tint) * edge
@@ -99,20 +99,20 @@ impl ReflectedLight {
 pub(super) fn surface_and_view(at: &Configuration) -> Result<([f64; 2], DVec3), LightError> {
     for (what, value) in [("alpha_x", at.alpha_x), ("alpha_y", at.alpha_y)] {
         if !(0.0..=1.0).contains(&value) {
-            return Err(LightError::Domain { what, value, allowed: "roughness is a number from 0 to 1" });
+            return Err(LightError::Domain { what, value, allowed: "roughness must be from 0 to 1" });
         }
     }
     if !(0.0..FRAC_PI_2).contains(&at.theta) {
-        let allowed = "a polar angle is a number from 0 to below pi/2";
+        let allowed = "a polar angle must be at least 0 and below pi/2";
         return Err(LightError::Domain { what: "theta", value: at.theta, allowed });
     }
     if !at.phi.is_finite() {
-        return Err(LightError::Domain { what: "phi", value: at.phi, allowed: "an azimuth is a finite number" });
+        return Err(LightError::Domain { what: "phi", value: at.phi, allowed: "an azimuth must be finite" });
     }
     Ok(([at.alpha_x.max(LEAST_ALPHA), at.alpha_y.max(LEAST_ALPHA)], direction(at.theta, at.phi)))
 }
 
-/// Evaluates `of` for a surface, view and light after it has checked them.
+/// Checks a surface, a view and a light, and evaluates `of` for them.
 pub(super) fn lit(
     at: &Configuration,
     light: AreaLight<'_>,

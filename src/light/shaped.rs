@@ -113,7 +113,7 @@ impl ShapedLight {
     /// A sphere.
     ///
     /// # Errors
-    /// [`LightError::Domain`] for a coordinate that is not finite and a radius that is not above zero,
+    /// [`LightError::Domain`] for a coordinate that is not finite or a radius that is not above zero,
     /// [`LightError::Inside`] for a shaded point in the sphere or on it.
     pub fn sphere(centre: DVec3, radius: f64) -> Result<Self, LightError> {
         check_points([("the centre", centre)])?;
@@ -128,7 +128,7 @@ impl ShapedLight {
     /// A tube with round ends: all points up to `radius` from the line between `ends`. With equal ends it is a sphere.
     ///
     /// # Errors
-    /// As [`Self::sphere`].
+    /// The errors of [`Self::sphere`].
     pub fn tube(ends: [DVec3; 2], radius: f64) -> Result<Self, LightError> {
         check_points([("the first end", ends[0]), ("the second end", ends[1])])?;
         check_above_zero("the radius", radius)?;

@@ -7,21 +7,21 @@ use crate::{
 };
 use ltcforge_fit::{FitSettings, LobeFresnel, PerAxis, Precision, Recipe, fit_seconds};
 
-/// The least and the greatest number of nodes of an axis of several values.
+/// Minimum and maximum number of nodes on an axis with several values.
 const NODES: PerAxis<[u32; 2]> = PerAxis { alpha: [2, 24], ratio: [2, 12], theta: [2, 24], phi: [2, 12] };
-/// Errors within this factor are equal, so that a smaller or faster table is chosen.
+/// Errors within this factor count as equal, so that a smaller or faster table is chosen.
 const EQUAL: f64 = 1.005;
-/// The smallest table whose error is within this factor of the least is where the front bends.
+/// The front bends at the smallest table whose error is within this factor of the least error.
 const KNEE: f64 = 1.05;
 
-/// The limit of a table. Seconds are of one thread, on the machine of `ltcforge_fit::fit_seconds`.
+/// The budget of a table. Seconds are those of one thread on the machine of `ltcforge_fit::fit_seconds`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Budget {
     /// The smallest table with at most this error.
     Error(f64),
-    /// The best table with at most so many bytes.
+    /// The best table with at most this many bytes.
     Bytes(u64),
-    /// The best table whose fit takes at most so long.
+    /// The best table that one thread fits in at most this many seconds.
     Seconds(f64),
     /// The smallest table that is nearly as good as the best.
     Knee,
@@ -30,20 +30,21 @@ pub enum Budget {
 /// A table that could serve a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidate {
-    /// Its recipe.
+    /// The recipe of the table.
     pub recipe: Recipe,
-    /// Predicted mean error on the scene, as a part of the lobe's width.
+    /// Predicted mean error on the scene, as a fraction of the lobe's width.
     pub error: f64,
     /// Bytes of matrices and terms.
     pub bytes: u64,
-    /// Predicted bytes of the compact form, if the budget is of them.
+    /// Predicted bytes of the compact form, if the budget counts them.
     pub shipped: Option<u64>,
     /// Predicted seconds of one thread.
     pub seconds: f64,
 }
 
 impl Candidate {
-    /// The predicted table of some nodes and effort. Its numbers are halves, which are as good as longer numbers.
+    /// The candidate with these nodes and this effort. Its numbers have 16 bits, because more bits would not reduce the
+    /// error.
     pub(crate) fn of(prediction: &Prediction, nodes: Nodes, fit: FitSettings) -> Self {
         let recipe = Recipe { fit, precision: Precision::F16, ..prediction.recipe(nodes) };
         let (error, bytes, seconds) = (prediction.error(nodes, &recipe), recipe.bytes(), fit_seconds(&recipe));
@@ -51,19 +52,19 @@ impl Candidate {
         Self { recipe, error, bytes, shipped, seconds }
     }
 
-    /// The bytes that the budget is of: of the compact form, or of the table on a GPU.
+    /// The bytes that the budget counts: of the compact form, or of the table on a GPU.
     pub(crate) fn spent(&self) -> u64 {
         self.shipped.unwrap_or(self.bytes)
     }
 
-    /// Candidates of equal kind differ in their nodes alone.
+    /// Candidates of the same kind differ only in their nodes.
     pub(crate) fn kind(&self) -> (&FitSettings, &LobeFresnel) {
         (&self.recipe.fit, self.recipe.brdf.fresnel())
     }
 }
 
-/// For the best single lobes and for two: the nodes that have less error than all with fewer entries, each with all
-/// efforts.
+/// All candidates. For each choice of lobes, we keep the nodes that have less error than all nodes with fewer entries,
+/// and combine them with every effort.
 pub(crate) fn candidates(prediction: &Prediction) -> Vec<Candidate> {
     let base = &prediction.base;
     let is_free = base.layout.only_ranges().is_none();
@@ -82,7 +83,7 @@ pub(crate) fn candidates(prediction: &Prediction) -> Vec<Candidate> {
     found
 }
 
-/// All nodes that a table may have: evenly spaced, given one by one, or the scene's materials.
+/// All nodes that a table may have: evenly spaced, listed, or the scene's materials.
 fn choices(prediction: &Prediction, lobes: usize) -> Vec<Nodes> {
     let range = &prediction.base.range;
     let counts = |[low, high]: [f64; 2], [from, to]: [u32; 2]| if low < high { from..=to } else { 1..=1 };
@@ -92,7 +93,7 @@ fn choices(prediction: &Prediction, lobes: usize) -> Vec<Nodes> {
         counts(range, limits).map(|n| (n, None)).chain(given).collect()
     };
     let ratios = of_axis(1, range.ratio, NODES.ratio);
-    // Alpha and ratio of a table: their numbers of nodes, the given ones, and whether they are materials.
+    // For alpha and ratio: the numbers of nodes, the indices of listed nodes, and whether the nodes are materials.
     let mut surfaces = Vec::new();
     for (alpha, given_alpha) in of_axis(0, range.alpha, NODES.alpha) {
         surfaces.extend(ratios.iter().map(|(ratio, given)| (alpha, *ratio, [given_alpha, *given], false)));
@@ -119,10 +120,10 @@ const ERROR: Price = |candidate| candidate.error;
 const BYTES: Price = |candidate| candidate.spent() as f64;
 const SECONDS: Price = |candidate| candidate.seconds;
 
-/// The candidate that a budget chooses. Domain: at least one candidate.
+/// The candidate that fits a budget best. Domain: at least one candidate.
 ///
 /// # Errors
-/// The candidate that is nearest to the budget, if none is within it.
+/// The nearest candidate, if no candidate is within the budget.
 pub(crate) fn choose(candidates: &[Candidate], budget: Budget) -> Result<&Candidate, &Candidate> {
     let (price, most, then) = match budget {
         Budget::Error(most) => (ERROR, most, [(BYTES, 1.0), (SECONDS, 1.0), (ERROR, 1.0)]),
@@ -140,8 +141,8 @@ pub(crate) fn choose(candidates: &[Candidate], budget: Budget) -> Result<&Candid
     Ok(least(within, then))
 }
 
-/// The candidate of the least first price. Candidates within a price's slack are compared by the next price. Domain: at
-/// least one candidate.
+/// The candidate with the lowest first price. Candidates within a price's slack are compared by the next price. Domain:
+/// at least one candidate.
 fn least(mut left: Vec<&Candidate>, prices: [(Price, f64); 3]) -> &Candidate {
     for (price, slack) in prices {
         let most = left.iter().map(|candidate| price(candidate)).fold(f64::INFINITY, f64::min) * slack;

@@ -1,4 +1,4 @@
-//! The errors of tables of some lobes by their nodes, read from one coarse table.
+//! How the errors of tables depend on their nodes, read from one coarse table.
 
 use crate::{
     needs::Needs,
@@ -8,26 +8,26 @@ use crate::{
 };
 use ltcforge_fit::{Closeness, GoOn, Layout, LobeFresnel, PerAxis, Recipe, Table};
 
-/// Numbers of nodes of an axis with which the coarse table is read again.
+/// The coarse table is read again with these numbers of nodes on an axis.
 const FEWER: [u32; 11] = [20, 16, 12, 9, 8, 7, 6, 5, 4, 3, 2];
 
-/// The errors of tables of some lobes.
+/// The errors of tables with the same lobes.
 #[derive(Debug, Clone)]
 pub(crate) struct Curve {
     /// The lobes.
     pub(crate) fresnel: LobeFresnel,
     /// The error of the coarse table.
     pub(crate) of_base: f64,
-    /// For each axis: squared steps, see `ltcforge_fit::Layout::steps`, and the error that each adds to the coarse
-    /// table's.
+    /// For each axis: squared steps (see `ltcforge_fit::Layout::steps`), and the error that each step adds to the
+    /// coarse table's error.
     pub(crate) added: [Vec<[f64; 2]>; 4],
     /// Nodes of alpha, and of ratio, that are not evenly spaced.
     pub(crate) given: [Vec<Placed>; 2],
 }
 
 impl Curve {
-    /// Reads a curve for each of some lobes from a coarse table and its recipe. `any_nodes` allows nodes that are not
-    /// evenly spaced. Runs on the current rayon pool, whose size changes nothing.
+    /// Reads a curve for each choice of lobes from a coarse table and its recipe. `any_nodes` allows nodes that are not
+    /// evenly spaced. Runs on the current rayon pool. The size of the pool does not change the result.
     ///
     /// # Errors
     /// [`Stopped`] if `go_on` returns `false`.
@@ -80,13 +80,13 @@ impl Curve {
         Ok(curves.into_iter().map(|(curve, _)| curve).collect())
     }
 
-    /// The error that evenly spaced nodes add to that of the coarse table, by the squared step of each axis.
+    /// The error that evenly spaced nodes add to the coarse table's error, for the squared step of each axis.
     pub(crate) fn interpolation(&self, squared: [f64; 4]) -> f64 {
         (0..4).map(|axis| self.along(axis, squared[axis])).sum()
     }
 
-    /// The error that a squared step of an axis adds: on the line through the points around it, or through the first or
-    /// last two points.
+    /// The error that a squared step adds on an axis, by linear interpolation between the points around it, or by
+    /// linear extrapolation from the first or last two points.
     pub(crate) fn along(&self, axis: usize, squared: f64) -> f64 {
         let points = &self.added[axis];
         let pair = points.windows(2).find(|pair| squared <= pair[1][0]).or_else(|| points.windows(2).last());

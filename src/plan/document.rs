@@ -13,7 +13,7 @@ use ltcforge_fit::{Recipe, fit_seconds};
 
 /// Version of the document.
 const VERSION: u32 = 1;
-/// Lobes with more roughnesses have only their ranges.
+/// Lobes with more roughnesses list only the ranges.
 const LISTED: usize = 64;
 
 /// A recipe as JSON.
@@ -124,7 +124,8 @@ fn table(plan: &TablePlan<'_>) -> Value {
     })
 }
 
-/// A lobe that a table serves, with the index of its material, and the indices of the table's materials if it has some.
+/// A lobe that a table covers, with the index of its material in the scene. For a table of materials, also with the
+/// indices of the table's materials.
 fn served(index: usize, lobe: &SceneLobe, recipe: &Recipe) -> Value {
     let mut value = json!({ "material": index, "kind": lobe.kind });
     let materials = recipe.given.materials();

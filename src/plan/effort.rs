@@ -1,4 +1,4 @@
-//! How hard the entries of a candidate may be fitted: the presets, and more efforts between and around them.
+//! The efforts for fitting a candidate: the presets, and more efforts between and around them.
 
 use crate::front::front;
 use ltcforge_files::recipe_document::Preset;
@@ -8,8 +8,8 @@ use ltcforge_fit::{FitSettings, Recipe, expectation, fit_seconds};
 const SAMPLES: [u32; 9] = [64, 96, 128, 192, 256, 384, 512, 1024, 2048];
 const DIRECTIONS: [u32; 5] = [4, 8, 16, 32, 48];
 
-/// The efforts for tables like `base`, with its seed, by ascending time: each has less expected error than all faster
-/// ones.
+/// The efforts for tables like `base`, with its seed, by ascending time. Each effort has less expected error than all
+/// faster efforts.
 pub(crate) fn efforts(base: &Recipe) -> Vec<FitSettings> {
     let row = |samples: u32| DIRECTIONS.map(|directions| FitSettings { samples, directions, ..Preset::Standard.fit() });
     let all = SAMPLES.into_iter().flat_map(row).chain(Preset::ALL.map(Preset::fit));
@@ -20,7 +20,7 @@ pub(crate) fn efforts(base: &Recipe) -> Vec<FitSettings> {
     front(all.map(priced).collect()).collect()
 }
 
-/// The expected error that samples and directions add to that of a fit without limits on them.
+/// The expected error that the limits on samples and directions add.
 pub(crate) fn added_error(recipe: &Recipe) -> f64 {
     let endless = FitSettings { samples: u32::MAX, directions: u32::MAX, ..recipe.fit };
     expectation(recipe).error - expectation(&Recipe { fit: endless, ..recipe.clone() }).error

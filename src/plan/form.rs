@@ -1,4 +1,4 @@
-//! The tables that a plan may choose, besides their budget.
+//! Restrictions on the tables that a plan may choose, apart from the budget.
 
 use crate::without::GpuLimit;
 use ltcforge_fit::Layout;
@@ -10,10 +10,10 @@ pub struct Form {
     pub layout: Option<Layout>,
     /// Whether nodes may be the scene's own values of alpha and ratio, for readers that search for nodes.
     pub any_nodes: bool,
-    /// Whether the table has no terms, for renderers that know the energy of lobes from elsewhere.
+    /// Whether the table has no terms, for renderers that get the energy of lobes from elsewhere.
     pub no_terms: bool,
-    /// Whether a budget of bytes is of the table's compact form.
+    /// Whether a budget of bytes counts the table's compact form.
     pub ship: bool,
-    /// The most that the shader that reads the table may cost a GPU.
+    /// The GPU limits of the shader that reads the table.
     pub gpu: GpuLimit,
 }

@@ -1,4 +1,4 @@
-//! The items that are better than all cheaper ones.
+//! Items that are better than all cheaper items.
 
 /// The items of `(cost, error, item)` by ascending cost, each with less error than all items before.
 pub(crate) fn front<T>(mut priced: Vec<(f64, f64, T)>) -> impl Iterator<Item = T> {

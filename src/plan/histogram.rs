@@ -6,13 +6,14 @@ use serde::Serialize;
 
 use ltcforge_fit::{ALPHA_FLOOR, RATIO_FLOOR};
 
-/// Cells of perceptual roughness and of ratio from 0 to 1. Each of an image's 256 levels has its own cell.
+/// Numbers of cells of perceptual roughness and of ratio from 0 to 1. Each of an image's 256 levels has its own cell.
 const CELLS: [f64; 2] = [1024.0, 256.0];
-/// Cells of the angle of a view and of its azimuth, over a quarter of a turn each.
+/// Numbers of cells of a view's polar angle and of its azimuth, over a quarter turn each.
 const VIEWS: [usize; 2] = [45, 18];
 /// The most grazing view that is drawn: 89 degrees, as in the report of a table.
 const STEEPEST: f64 = 0.99 * FRAC_PI_2;
-/// Alpha and ratio are rounded to parts of this, so that squares have no rounding errors in their last digits.
+/// Alpha and ratio are rounded to multiples of `1 / DECIMALS`. This removes the rounding errors in the last digits of
+/// squares.
 const DECIMALS: f64 = 1e12;
 
 /// A roughness with its weight.
@@ -22,12 +23,12 @@ pub struct Spot {
     pub alpha: f64,
     /// Smaller over larger roughness.
     pub ratio: f64,
-    /// The area that has it, times the strength of its lobe.
+    /// The area with this roughness, times the strength of its lobe.
     pub weight: f64,
 }
 
 impl Spot {
-    /// Alpha and ratio as a recipe has them: rounded, and within the limits of the fit.
+    /// Alpha and ratio for a recipe: rounded, and within the limits of the fit.
     pub(crate) fn pair(&self) -> [f64; 2] {
         [self.alpha.max(ALPHA_FLOOR), self.ratio.max(RATIO_FLOOR)].map(decimal)
     }
@@ -38,7 +39,7 @@ pub(crate) fn decimal(x: f64) -> f64 {
     (x * DECIMALS).round() / DECIMALS
 }
 
-/// The least and the greatest of some numbers.
+/// The minimum and the maximum of some numbers.
 pub(crate) fn span(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
     numbers.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
 }
@@ -60,7 +61,8 @@ struct Cell {
 }
 
 impl Histogram {
-    /// Adds the weight of a pair of alpha and ratio, of a surface whose parts have the reflectances `[f0, part]`.
+    /// Adds a pair of alpha and ratio with its weight. `f0` lists the reflectances of dielectrics and of metal, each
+    /// with its part of the surface.
     pub(crate) fn add(&mut self, pair: [f64; 2], f0: [[f64; 2]; 2], weight: f64) {
         if weight <= 0.0 {
             return;
@@ -88,7 +90,7 @@ impl Histogram {
         self.f0.iter_mut().flatten().zip(other.f0.iter().flatten()).for_each(|(sum, other)| *sum += other);
     }
 
-    /// The cells, the smoothest first.
+    /// The cells, smoothest first.
     pub(crate) fn spots(&self) -> Vec<Spot> {
         let spot = |cell: &Cell| {
             let [alpha, ratio] = [0, 1].map(|i| cell.first[i] + cell.moved[i] / cell.weight);
@@ -106,9 +108,9 @@ impl Histogram {
 /// The directions from which a surface is seen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Views {
-    /// Weights of cells of theta, and in each of cells of phi. Empty if every view counts.
+    /// The weights of cells: rows of theta, columns of phi. Empty if every view counts the same.
     weights: Vec<f64>,
-    /// The range of the polar angle, and of the azimuth in the first quadrant.
+    /// The ranges of the polar angle, and of the azimuth in the first quadrant.
     pub(crate) theta: [f64; 2],
     pub(crate) phi: [f64; 2],
 }
@@ -121,7 +123,7 @@ impl Default for Views {
 }
 
 impl Views {
-    /// Adds a view. The first one replaces the default.
+    /// Adds a view. The first view replaces the default.
     pub(crate) fn add(&mut self, theta: f64, phi: f64, weight: f64) {
         if self.is_all() {
             *self = Self { weights: vec![0.0; VIEWS[0] * VIEWS[1]], theta: [theta; 2], phi: [phi; 2] };
@@ -151,7 +153,7 @@ impl Views {
         self.weights.is_empty()
     }
 
-    /// The view at two numbers in [0, 1).
+    /// Draws a view from two numbers in [0, 1).
     pub(crate) fn draw(&self, u: f64, v: f64) -> [f64; 2] {
         if self.is_all() {
             return [u * STEEPEST, v * FRAC_PI_2];
@@ -165,7 +167,7 @@ impl Views {
     }
 }
 
-/// The index of the weighted item at `u` in [0, 1), and the position of `u` within the item. Domain: one item at least.
+/// The index of the weighted item at `u` in [0, 1), and the position of `u` within the item. Domain: at least one item.
 pub(crate) fn pick(weights: &[f64], u: f64) -> (usize, f64) {
     let total: f64 = weights.iter().sum();
     let (mut left, mut last) = (u * total, 0);

@@ -1,5 +1,5 @@
-//! Measures the memory that hostile bodies take in addition to their own bytes, each in its own process, for everything
-//! that the service parses.
+//! Measures the memory that hostile bodies take in addition to their own bytes, for every format that the service
+//! parses. Each body is read in its own process.
 
 use std::{env, fs, process::Command};
 
@@ -10,17 +10,17 @@ use ltcforge_files::{
 };
 use ltcforge_textures::{LightPicture, Profile};
 
-/// Names the body in the process that reads it.
+/// Environment variable that names the body in the process that reads it.
 const VARIABLE: &str = "LTCFORGE_TEST_HOSTILE_BODY";
-/// Bytes of a body.
+/// The size of a body in bytes.
 const BODY: usize = 60_000_000;
-/// Bytes that it may take in addition.
+/// Maximum bytes that reading a body may take in addition to the body.
 const MOST: u64 = 256 << 20;
-/// Parts of a document that is just within its limits.
+/// Numbers of parts that are just within the limits of a document.
 const WITHIN: usize = 500_000;
 const VALUES_WITHIN: usize = 2_097_000;
 
-/// A body of one text, repeated, between two others.
+/// A body of `part`, repeated, between `start` and `end`.
 fn filled(start: &str, part: &str, end: &str) -> Vec<u8> {
     times(start, part, BODY / part.len(), end)
 }
@@ -29,7 +29,7 @@ fn times(start: &str, part: &str, count: usize, end: &str) -> Vec<u8> {
     [start, &part.repeat(count), end].concat().into_bytes()
 }
 
-/// An object with different names, about as many as a scene may have values.
+/// An object with distinct names, about as many as a scene may have values.
 fn distinct(start: &str, end: &str) -> Vec<u8> {
     let names: Vec<String> = (0..VALUES_WITHIN).map(|number| format!(r#""{number:07}":0"#)).collect();
     [start, &names.join(","), end].concat().into_bytes()
@@ -128,7 +128,7 @@ const BODIES: [Body; 27] = [
     ("fields of a recipe", || filled("{", r#""a":0,"#, r#""b":0}"#), RECIPE, "more than 131072 values"),
     ("objects of a recipe", || filled(r#"{"fit":["#, r#"{"":0},"#, "0]}"), RECIPE, "/fit: more than 4096"),
     ("attributes", || exr_of(b"00000000\0int\0\x04\0\0\0abcd", Some(0)), PICTURE, "more than 4096 attributes"),
-    ("an attribute", || exr_of(b"a\0string\0\0\0\0\x01a", None), PICTURE, "no end within 4194304 bytes"),
+    ("an attribute", || exr_of(b"a\0string\0\0\0\0\x01a", None), PICTURE, "longer than 4194304 bytes"),
     ("lines", || filled("#?RADIANCE\n", "a=\n", "\n-Y 1 +X 0\n"), PICTURE, "0 x 1"),
     ("text of a PNG", || png_of(b"\0\0\0\x02tEXta\0\x90\xc5\x84\x6a"), PICTURE, "PNG"),
     ("a profile of a JPEG", || jpeg_of(b"\xff\xe2\0\x11ICC_PROFILE\0\x01\x01a"), PICTURE, "more than 512 segments"),
@@ -150,7 +150,7 @@ const BODIES: [Body; 27] = [
     ),
 ];
 
-/// Kilobytes of this process, by a line of its status.
+/// A value in kilobytes from the status of this process.
 fn kilobytes(line: &str) -> u64 {
     let status = fs::read_to_string("/proc/self/status").expect("Linux");
     let found = status.lines().find_map(|text| text.strip_prefix(line)).expect("a line");
@@ -162,7 +162,7 @@ fn hostile_bodies_end_in_errors_within_their_memory() {
     if let Ok(name) = env::var(VARIABLE) {
         let (_, body, read, wanted) = BODIES.into_iter().find(|(known, ..)| *known == name).expect("a body");
         let body = body();
-        // 5 resets the peak.
+        // Writing 5 resets the peak.
         fs::write("/proc/self/clear_refs", "5").expect("Linux");
         let before = kilobytes("VmRSS:");
         let error = read(body);

@@ -1,6 +1,6 @@
 //! Plans the table that a scene needs.
 //!
-//! Invariant: no clock and no thread count decides anything here: equal scenes and budgets give equal plans.
+//! Invariant: neither a clock nor the number of threads changes a plan. Equal scenes and budgets give equal plans.
 
 mod candidates;
 mod curve;

@@ -1,8 +1,8 @@
 //! The lobes that the entries of a table are fitted to, for a scene with both metal and dielectrics.
 //!
-//! Schlick's factor moves the lobe of plastic away from that of metal. One lobe lies between them, nearer to one or the
-//! other. Two lobes an entry, blended, serve both. Each choice is fitted at configurations of the scene, without a
-//! table, and compared with the lobe of the material there. Nothing but the lobes differs between the choices.
+//! Schlick's factor makes the lobe of plastic differ from the lobe of metal. A single lobe is a compromise between
+//! them. Two blended lobes per entry represent both. Each choice is fitted at configurations of the scene, without a
+//! table, and compared with the lobe of the material there. The choices differ only in their lobes.
 
 use std::ops::ControlFlow;
 
@@ -16,8 +16,8 @@ use ltcforge_fit::{
     GoOn, Layout, LobeFresnel, LookedUp, PerAxis, Plan, Recipe, SecondLobe, StoredTerms, Table, WeightedF0, fit_plan,
 };
 
-/// How much more than its area the surface of dielectrics counts in a mix. A mix follows the square of the reflectance,
-/// so dielectrics by their area alone count next to nothing. That mix was not the best lobe of any scene that we tried.
+/// Factors on the area of dielectrics in a mix. A mix follows the square of the reflectance, so dielectrics hardly
+/// count without a factor. A mix without a factor was not the best lobe in any scene that we tried.
 const COUNTS: [f64; 2] = [16.0, 256.0];
 
 /// Weights of a mix have three digits.
@@ -25,17 +25,18 @@ const DIGITS: f64 = 1000.0;
 /// Places at which all choices are tried.
 const TRIED: usize = 64;
 
-/// Lobes that a table may have.
+/// A choice of lobes for a table.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Lobes {
-    /// The materials that they are the lobes of.
+    /// The materials to which the lobes are fitted.
     pub(crate) fresnel: LobeFresnel,
-    /// Their mean error at places of the scene, as a part of the lobe's width; 0 if there is no other choice.
+    /// The mean error of the lobes at places of the scene, as a fraction of the lobe's width; 0 if there is no other
+    /// choice.
     pub(crate) error: f64,
 }
 
-/// The lobes that tables like `base` may have, the best first: two an entry if they are allowed and better, then the
-/// single ones. Runs on the current rayon pool, whose size changes nothing.
+/// The choices of lobes for tables like `base`, best first: two lobes per entry if they are allowed and better, then
+/// the single lobes. Runs on the current rayon pool. The size of the pool does not change the result.
 ///
 /// # Errors
 /// [`Stopped`] if `go_on` returns `false`.
@@ -73,7 +74,7 @@ pub(crate) fn lobes(
     Ok(found)
 }
 
-/// The lobe that is fitted for one place.
+/// The lobe that is fitted for one place of the scene.
 fn fitted_at(place: &Place, fresnel: &LobeFresnel, base: &Recipe, go_on: &GoOn<'_>) -> Result<LookedUp, Stopped> {
     let at = &place.at;
     let ratio = at.alpha_y / at.alpha_x;
@@ -89,7 +90,7 @@ fn fitted_at(place: &Place, fresnel: &LobeFresnel, base: &Recipe, go_on: &GoOn<'
     Ok(fitted(&recipe, go_on)?.lookup(at))
 }
 
-/// The table of a recipe. Runs on the current rayon pool, whose size changes nothing.
+/// Fits the table of a recipe. Runs on the current rayon pool. The size of the pool does not change the result.
 ///
 /// # Errors
 /// [`Stopped`] if `go_on` returns `false`.

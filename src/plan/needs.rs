@@ -1,4 +1,4 @@
-//! The lobes of a scene that a table of one scattering model serves.
+//! The lobes of a scene that one table, with one scattering model, covers.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -8,16 +8,16 @@ use crate::{
 };
 use ltcforge_fit::{BrdfKind, Configuration, MOST_MATERIALS, PerAxis, WeightedF0, math::recurrence4};
 
-/// Where the sequence of configurations begins.
+/// The start of the sequence of configurations.
 const SHIFT: [f64; 4] = [0.5, 0.236_067_977_499_79, 0.732_050_807_568_877, 0.645_751_311_064_59];
-/// The least reflectance that a lobe can be fitted for.
+/// The smallest reflectance that a lobe can be fitted for.
 const LEAST_F0: f64 = 1e-3;
-/// The least reflectance of metal at normal incidence: that of diamond.
+/// The smallest reflectance at normal incidence that counts as metal. It is the reflectance of diamond.
 const LEAST_METAL: f64 = 0.17;
-/// Ranges of angles and reflectances are rounded to parts of this.
+/// Ranges of angles and reflectances are rounded to multiples of `1 / ROUNDED_TO`.
 const ROUNDED_TO: f64 = 1000.0;
 
-/// The lobes of a scene that one table serves.
+/// The lobes of a scene that one table covers.
 #[derive(Debug, Clone)]
 pub struct Needs<'a> {
     /// The lobes, each with the index of its material.
@@ -33,12 +33,12 @@ pub struct Needs<'a> {
 pub(crate) struct Place {
     /// Roughnesses and view.
     pub(crate) at: Configuration,
-    /// Reflectance at normal incidence, of F90 = 1.
+    /// Reflectance at normal incidence, for F90 = 1.
     pub(crate) f0: f64,
 }
 
 impl<'a> Needs<'a> {
-    /// The lobes of GGX, or of sheen; `None` if the scene has no such lobe.
+    /// The lobes of GGX, or of sheen if `sheen` is true. `None` if the scene has no such lobe.
     #[must_use]
     pub fn of(scene: &'a Scene, sheen: bool) -> Option<Self> {
         let lobes: Vec<_> = scene.lobes().filter(|(_, lobe)| (lobe.kind == LobeKind::Sheen) == sheen).collect();
@@ -59,8 +59,8 @@ impl<'a> Needs<'a> {
         self.lobes.iter().flat_map(|(_, lobe)| lobe.spots.iter().map(move |spot| (spot, *lobe)))
     }
 
-    /// The different pairs of alpha and ratio, in the order of the lobes; empty if a table of materials cannot have so
-    /// many.
+    /// The distinct pairs of alpha and ratio, in the order of the lobes. Empty if there are too many for a table of
+    /// materials.
     pub(crate) fn pairs(&self) -> Vec<[f64; 2]> {
         let mut pairs = Vec::new();
         for pair in self.spots().map(|(spot, _)| spot.pair()) {
@@ -74,7 +74,7 @@ impl<'a> Needs<'a> {
         pairs
     }
 
-    /// The mean reflectances of dielectrics and of metal, each with its weight, of those that the scene has.
+    /// The mean reflectances of dielectrics and of metal, if the scene has them, each with its weight.
     pub(crate) fn reflectances(&self) -> Vec<WeightedF0> {
         let (mut metal, mut rest) = ([0.0; 2], [0.0; 2]);
         for [f0, weight] in self.lobes.iter().flat_map(|(_, lobe)| &lobe.f0).filter(|_| self.brdf.has_fresnel()) {
@@ -89,14 +89,14 @@ impl<'a> Needs<'a> {
         [rest, metal].into_iter().filter_map(part).collect()
     }
 
-    /// Configurations by their weights in the scene: of roughnesses, of views, and of metal.
+    /// Draws configurations by the weights of roughnesses, views and metal in the scene.
     pub(crate) fn draw(&self, count: usize) -> Vec<Place> {
         let (spots, weights): (Vec<_>, Vec<f64>) = self.spots().map(|at| (at, at.0.weight)).unzip();
         let drawn = |i: usize| {
             let [u, v, w, metal] = recurrence4(i, SHIFT);
             let (spot, lobe) = spots[pick(&weights, u).0];
             let [theta, phi] = lobe.views.draw(v, w);
-            // An isotropic lobe has no direction along the surface.
+            // An isotropic lobe has no direction along the surface, so its azimuth is drawn uniformly.
             let phi = if lobe.is_isotropic() { w * FRAC_PI_2 } else { phi };
             let at = Configuration { alpha_x: spot.alpha, alpha_y: spot.alpha * spot.ratio, theta, phi };
             let parts: Vec<f64> = lobe.f0.iter().map(|[_, weight]| *weight).collect();
@@ -107,12 +107,12 @@ impl<'a> Needs<'a> {
     }
 }
 
-/// A reflectance that a lobe can be fitted for, rounded.
+/// Rounds a reflectance to one that a lobe can be fitted for.
 fn rounded_f0(f0: f64) -> f64 {
     ((f0 * ROUNDED_TO).round() / ROUNDED_TO).clamp(LEAST_F0, 1.0)
 }
 
-/// The ranges of some lobes, angles rounded outwards.
+/// The ranges of some lobes, with angles rounded outwards.
 fn range(lobes: &[(usize, &SceneLobe)]) -> PerAxis<[f64; 2]> {
     let pairs = || lobes.iter().flat_map(|(_, lobe)| &lobe.spots).map(Spot::pair);
     let [alpha, ratio] = [0, 1].map(|axis| span(pairs().map(|pair| pair[axis])));

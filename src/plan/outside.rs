@@ -10,7 +10,7 @@ use crate::{
 };
 use ltcforge_fit::{BrdfKind, LobeFresnel, THETA_CEILING, Table};
 
-/// Numbers of tables and recipes are decimals, so that equal ones may differ by rounding.
+/// Numbers in tables and recipes are rounded, so numbers that should be equal may differ by this much.
 const TOLERANCE: f64 = 1e-6;
 
 /// Reflectances that differ by at most this have similar lobes.
@@ -23,14 +23,14 @@ pub struct Outside {
     pub material: String,
     /// The kind of the lobe.
     pub kind: LobeKind,
-    /// The axes that the lobe goes beyond.
+    /// The axes on which the lobe exceeds the table.
     pub axes: Vec<OutsideAxis>,
 }
 
-/// An axis whose range in the scene goes beyond that of a table.
+/// An axis on which a scene exceeds the range of a table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OutsideAxis {
-    /// Its name.
+    /// The name of the axis.
     pub axis: &'static str,
     /// The range in the scene.
     pub scene: [f64; 2],
@@ -38,15 +38,15 @@ pub struct OutsideAxis {
     pub table: [f64; 2],
 }
 
-/// The lobes of other scattering models than the table's, by the names of their materials.
+/// The lobes whose scattering model differs from the table's, each with the name of its material.
 #[must_use]
 pub fn of_other_models(scene: &Scene, table: &Table) -> Vec<(String, LobeKind)> {
     let other = scene.lobes().filter(|(_, lobe)| !is_for(table, lobe.kind));
     other.map(|(index, lobe)| (scene.materials[index].name.clone(), lobe.kind)).collect()
 }
 
-/// The range of the scene's reflectances at normal incidence, and of those that the table's lobes are fitted to, if the
-/// scene goes beyond the table. `None` for a table of two lobes, which serve all reflectances.
+/// The ranges of reflectance at normal incidence of the scene and of the table's lobes, if the scene exceeds the table.
+/// `None` for a table with two lobes, which cover all reflectances.
 #[must_use]
 pub fn other_reflectances(scene: &Scene, table: &Table) -> Option<[[f64; 2]; 2]> {
     let fitted = match table.model().fresnel() {
@@ -60,7 +60,7 @@ pub fn other_reflectances(scene: &Scene, table: &Table) -> Option<[[f64; 2]; 2]>
     (is_beyond(found, fitted, REFLECTANCE) && table.brdf().has_fresnel()).then_some([found, fitted])
 }
 
-/// Whether a table's scattering model is that of a kind of lobe.
+/// Whether a table has the scattering model of this kind of lobe.
 fn is_for(table: &Table, kind: LobeKind) -> bool {
     match table.brdf() {
         BrdfKind::Ggx => kind != LobeKind::Sheen,
@@ -69,7 +69,7 @@ fn is_for(table: &Table, kind: LobeKind) -> bool {
     }
 }
 
-/// The lobes of the table's scattering model that go beyond its nodes, in the scene's order.
+/// The lobes with the table's scattering model that exceed its nodes, in the scene's order.
 #[must_use]
 pub fn outside(scene: &Scene, table: &Table) -> Vec<Outside> {
     let of_model = scene.lobes().filter(|(_, lobe)| is_for(table, lobe.kind));
@@ -93,7 +93,7 @@ fn axes_beyond(lobe: &SceneLobe, table: &Table) -> Vec<OutsideAxis> {
     for (axis, [scene, table]) in axes.iter_mut().zip(farthest(lobe, table).into_iter().flatten()) {
         (axis.scene, axis.table) = ([scene; 2], [table; 2]);
     }
-    // A table of isotropic surfaces serves every phi.
+    // An isotropic table covers every phi.
     axes.retain(|axis| {
         is_beyond(axis.scene, axis.table, TOLERANCE) && (axis.axis != "phi" || !table.serves_every_phi())
     });
@@ -104,8 +104,8 @@ fn is_beyond(scene: [f64; 2], table: [f64; 2], tolerance: f64) -> bool {
     scene[0] < table[0] - tolerance || scene[1] > table[1] + tolerance
 }
 
-/// In a table of materials: alpha and ratio of the roughness that is farthest from all materials, each with that of the
-/// nearest material.
+/// For a table of materials: alpha and ratio of the roughness that is farthest from all materials, each with the value
+/// of the nearest material.
 fn farthest(lobe: &SceneLobe, table: &Table) -> Option<[[f64; 2]; 2]> {
     let nearest = |spot: &Spot| {
         let [alpha, ratio] = spot.pair();

@@ -1,5 +1,5 @@
 //! A plan as a picture, `plan.svg`: the scene's roughnesses with the nodes of its table, and the front of error against
-//! bytes with the choice.
+//! bytes with the chosen table.
 
 use std::{collections::BTreeMap, f64::consts::LN_10};
 
@@ -12,15 +12,15 @@ const PART: f64 = 520.0;
 const TOP: f64 = 56.0;
 const PANEL: [f64; 2] = [480.0, 400.0];
 const LEFT: [f64; 2] = [64.0, 612.0];
-/// Radius of the mark of a roughness that all of a surface has.
+/// Radius of the mark for a roughness that covers the whole surface.
 const LARGEST: f64 = 22.0;
 const LEAST: f64 = 1.5;
-/// Roughnesses with marks of their own, those of the most surface.
+/// Maximum number of roughnesses with their own marks. These are the roughnesses with the most surface.
 const MOST_MARKS: usize = 200;
-/// Cells of each axis, which sum the other roughnesses.
+/// Number of cells on each axis. The cells contain the remaining roughnesses.
 const CELLS: usize = 32;
 
-/// Light and dark colours in one file; the viewer's preference picks.
+/// Light and dark colours in one file. The viewer's preference selects one of them.
 const STYLE: &str = include_str!("picture.css");
 
 /// The plans of a scene's tables as SVG, one below the other.
@@ -119,7 +119,7 @@ fn draw_front(out: &mut Vec<String>, plan: &TablePlan<'_>) {
     let [least, most] = [bytes().min(), bytes().max()].map(|bytes| log10(bytes.unwrap_or(1) as f64));
     let first = least.floor();
     let last = most.ceil().max(first + 1.0);
-    // Coarser tables than this are not of interest, and would press the rest together.
+    // Tables with larger errors are left out, because they would compress the rest of the plot.
     let reach = 2.0 * plan.chosen.error.max(whole.map_or(0.0, |(_, error)| error));
     let across = |decade: f64| left + width * (decade - first) / (last - first);
     let x = |bytes: u64| across(log10(bytes as f64));
@@ -163,7 +163,7 @@ fn draw_front(out: &mut Vec<String>, plan: &TablePlan<'_>) {
     out.push(text("end", left + width - 8.0, y(plan.limit) + 16.0, &words));
 }
 
-/// The step of one, two or five parts of a power of ten that gives a range three to eight ticks.
+/// The step that gives a range three to eight ticks: 1, 2 or 5 times a power of ten.
 fn tick_step(range: f64) -> f64 {
     let power = pow(10.0, log10(range / 3.0).floor());
     [5.0, 2.0, 1.0].map(|part| part * power).into_iter().find(|step| *step <= range / 3.0).unwrap_or(power)

@@ -1,26 +1,28 @@
-//! Nodes of an axis that are not evenly spaced: a scene's own values, or nodes that are closer where more of its
-//! surface is.
+//! Nodes of an axis that are not evenly spaced: a scene's own values, or nodes that are closer together where the scene
+//! has more surface.
 
 use crate::{histogram::decimal, needs::Needs};
 use ltcforge_fit::{Layout, PerAxis, math::pow};
 
-/// How many values of a scene may be the nodes of an axis. Two are nodes in any case.
+/// The number of scene values that may be listed as nodes of an axis. Two values are the ends of the range, which are
+/// always nodes.
 const VALUES: std::ops::RangeInclusive<usize> = 3..=16;
-/// Parts of an axis whose weights are summed.
+/// Number of parts of an axis. The weights in each part are summed.
 const PARTS: u32 = 64;
 /// The part of the weight that is spread evenly, so that no part of an axis is without nodes.
 const SPREAD: f64 = 0.05;
 
-/// Nodes of an axis that a recipe gives one by one.
+/// Listed nodes of an axis.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Placed {
     /// The nodes, ascending.
     pub(crate) nodes: Vec<f64>,
-    /// The error that they add to the coarse table's; `None` for the scene's own values, with nothing between them.
+    /// The error that the nodes add to the coarse table's error; `None` for the scene's own values, which need no
+    /// interpolation.
     pub(crate) added: Option<f64>,
 }
 
-/// A scene's values of alpha or ratio as nodes, if they are few.
+/// A scene's values of alpha or ratio as nodes, if there are few values.
 pub(crate) fn of_values(needs: &Needs<'_>, axis: usize) -> Option<Placed> {
     let mut nodes: Vec<f64> = needs.spots().map(|(spot, _)| spot.pair()[axis]).collect();
     nodes.sort_by(f64::total_cmp);
@@ -28,10 +30,10 @@ pub(crate) fn of_values(needs: &Needs<'_>, axis: usize) -> Option<Placed> {
     VALUES.contains(&nodes.len()).then_some(Placed { nodes, added: None })
 }
 
-/// Nodes of alpha (axis 0) or ratio (axis 1) for weighted values: between any two nodes lies the same part of the cube
-/// root of the weight. The error of linear interpolation grows with the square of a step, so these nodes have the least
-/// weighted error. Steps are measured as the layout spaces its nodes. Domain: a range of several values, two nodes at
-/// least.
+/// Nodes of alpha (axis 0) or ratio (axis 1) for weighted values. Each interval between nodes has the same part of the
+/// cube root of the weight. The error of linear interpolation grows with the square of a step, so these nodes have the
+/// least weighted error. Steps are measured in the layout's spacing of nodes. Domain: a range of several values, at
+/// least two nodes.
 pub(crate) fn by_weight(
     layout: Layout,
     range: &PerAxis<[f64; 2]>,
@@ -48,7 +50,7 @@ pub(crate) fn by_weight(
     let total: f64 = weights.iter().sum();
     let least = SPREAD / f64::from(PARTS);
     let density = |weight: &f64| pow(weight / total * (1.0 - SPREAD) + least, 1.0 / 3.0);
-    // The sum of the densities before each part, and of all.
+    // The sum of the densities before each part, and the total.
     let mut sums = vec![0.0];
     sums.extend(weights.iter().scan(0.0, |sum, weight| {
         *sum += density(weight);

@@ -15,23 +15,24 @@ use crate::{
 use ltcforge_files::{compact, recipe_document::Preset};
 use ltcforge_fit::{BrdfKind, GoOn, Layout, LobeFresnel, PerAxis, Precision, Recipe, StoredTerms, Table, fit_seconds};
 
-/// The default table in its compact form; `UPDATE_GOLDEN=whole cargo test -p ltcforge-plan whole` fits it again.
+/// The default table in its compact form. `UPDATE_GOLDEN=whole cargo test -p ltcforge-plan whole` fits it again.
 pub(crate) const WHOLE: &[u8] = include_bytes!("whole.compact");
 
-/// The choice is made again, with corrected predictions, if its measured error differs from the prediction by more than
-/// this.
+/// If the measured error differs from the prediction by more than this fraction, the choice is made again with
+/// corrected predictions.
 const MOST_OFF: f64 = 0.2;
 
-/// Tables that are fitted for one plan, at most; more than two only if a compact form is still too long.
+/// Maximum number of tables that are fitted for one plan. More than two are fitted only if a compact form is still too
+/// long.
 const MOST_FITTED: usize = 5;
 
-/// After the first correction, compact forms are predicted to be longer by this factor than measured.
+/// After the first correction, compact forms are predicted to be this factor longer than measured.
 const MARGIN: f64 = 1.02;
 
 /// A plan for one table.
 #[derive(Debug, Clone)]
 pub struct TablePlan<'a> {
-    /// The lobes that the table serves.
+    /// The lobes that the table covers.
     pub needs: Needs<'a>,
     /// The budget.
     pub budget: Budget,
@@ -39,9 +40,9 @@ pub struct TablePlan<'a> {
     pub is_met: bool,
     /// The choice.
     pub chosen: Candidate,
-    /// The candidates, of ascending bytes.
+    /// The candidates. Candidates of the same kind are in the order of ascending bytes.
     pub(crate) candidates: Vec<Candidate>,
-    /// The error of the finest table: of the lobe model, and of the nodes if a layout has one size.
+    /// The error of the finest table. It comes from the lobe model, and from the nodes if the layout has a fixed size.
     pub(crate) limit: f64,
     /// All tables that were fitted and measured, in order.
     pub fitted: Vec<Fitted>,
@@ -58,16 +59,16 @@ pub struct TablePlan<'a> {
 pub struct Fitted {
     /// The candidate as predicted.
     pub candidate: Candidate,
-    /// Mean error on the scene's configurations, as a part of the lobe's width.
+    /// Mean error on the scene's configurations, as a fraction of the lobe's width.
     pub error: f64,
-    /// Bytes of the compact form, if the budget is of them.
+    /// Bytes of the compact form, if the budget counts them.
     pub shipped: Option<u64>,
     /// Processor seconds of the fit, if the caller measured them.
     pub seconds: Option<f64>,
 }
 
 impl Fitted {
-    /// The error over the predicted one.
+    /// The measured error divided by the predicted error.
     #[must_use]
     pub fn off_by(&self) -> f64 {
         self.error / self.candidate.error
@@ -77,16 +78,16 @@ impl Fitted {
 /// The table of the whole domain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Whole {
-    /// Its recipe.
+    /// The recipe of the table.
     pub recipe: Recipe,
     /// Bytes of matrices and terms.
     pub bytes: u64,
-    /// Mean error on the scene's configurations by the kept compact form, which is within a hundredth; `None` for any
-    /// table but the default one.
+    /// Mean error on the scene's configurations, predicted from the stored compact form, whose error is within 1 % of
+    /// the table's. `None` for any table except the default table.
     pub predicted: Option<f64>,
     /// Mean error on the scene's configurations, if the table was measured.
     pub error: Option<f64>,
-    /// Processor seconds of its fit, if the caller measured them.
+    /// Processor seconds of the fit, if the caller measured them.
     pub seconds: Option<f64>,
 }
 
@@ -94,7 +95,7 @@ pub struct Whole {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(crate) struct WholeAt {
     pub(crate) preset: &'static str,
-    /// Mean error on the scene's configurations: of the kept or measured table, plus the difference of the preset's
+    /// Mean error on the scene's configurations: the error of the stored or measured table, corrected for the preset's
     /// effort.
     pub(crate) error: f64,
     /// Predicted seconds of one thread.
@@ -102,12 +103,12 @@ pub(crate) struct WholeAt {
 }
 
 impl Whole {
-    /// The measured error, or the predicted one.
+    /// The measured error, or else the predicted error.
     pub(crate) fn known_error(&self) -> Option<f64> {
         self.error.or(self.predicted)
     }
 
-    /// The table at each preset, the fastest first; empty if its error is not known.
+    /// The table at each preset, fastest first; empty if its error is not known.
     pub(crate) fn presets(&self) -> Vec<WholeAt> {
         let Some(error) = self.known_error() else { return Vec::new() };
         let at = |preset: Preset| {
@@ -120,7 +121,8 @@ impl Whole {
 }
 
 impl<'a> TablePlan<'a> {
-    /// Plans a table for the needs of a scene. Runs on the current rayon pool, whose size changes nothing.
+    /// Plans a table for the needs of a scene. Runs on the current rayon pool. The size of the pool does not change the
+    /// result.
     ///
     /// # Errors
     /// [`Stopped`] if `go_on` returns `false`.
@@ -152,43 +154,43 @@ impl<'a> TablePlan<'a> {
         Self { needs, budget, is_met, chosen, candidates, limit, fitted, whole, shading, form, prediction }
     }
 
-    /// The same plan with another budget and other GPU limits. Domain: limits that allow two lobes an entry if those of
-    /// this plan do.
+    /// The same plan with another budget and other GPU limits. Domain: limits that allow two lobes per entry if the
+    /// limits of this plan allow them.
     #[cfg(test)]
     pub(crate) fn within(&self, budget: Budget, gpu: crate::GpuLimit) -> Self {
         let form = Form { gpu, ..self.form };
         Self::chosen_by(self.needs.clone(), budget, form, self.prediction.clone(), self.whole.clone())
     }
 
-    /// Sets the processor seconds of the fit of the whole domain's table, which give the speed of this machine.
+    /// Sets the processor seconds of the fit of the whole domain's table, which show how fast this machine is.
     pub fn time_whole(&mut self, seconds: f64) {
         self.whole.seconds = Some(seconds);
     }
 
-    /// The processor seconds of a fit over those predicted for this machine. `None` if the caller did not measure both
-    /// fits.
+    /// The processor seconds of a fit, divided by the prediction for this machine. `None` if the caller did not measure
+    /// both fits.
     pub(crate) fn seconds_off_by(&self, fitted: &Fitted) -> Option<f64> {
         let slower = self.whole.seconds? / fit_seconds(&self.whole.recipe);
         Some(fitted.seconds? / (fitted.candidate.seconds * slower))
     }
 
-    /// With which effort the error of [`TablePlan::limit`] remains.
+    /// The settings that cannot reduce the error of [`TablePlan::limit`].
     pub(crate) fn limit_stays_with(&self) -> &'static str {
         let is_of_one_size = self.chosen.recipe.layout.only_ranges().is_some();
         if is_of_one_size { "any samples and directions" } else { "any number of nodes" }
     }
 
-    /// Measures the fitted table of the choice and, if given, the table of the whole domain; `seconds` are those of the
-    /// fit. The measured error or bytes decide whether the budget is met.
+    /// Measures the fitted table of the choice and, if given, the table of the whole domain. `seconds` is the time of
+    /// the fit. The measured error or bytes decide whether the budget is met.
     ///
     /// The first time, the choice is made again with corrected predictions if the prediction was off by more than a
     /// fifth or the table misses the budget. If the table of the whole domain is better and half of its bytes are
-    /// within the budget, the choice becomes its nodes over the scene's ranges. A compact form that is too long is
-    /// corrected several times. If the choice differs, the plan is not [measured](TablePlan::is_measured): fit its new
-    /// choice too.
+    /// within the budget, the choice becomes a table with the same number of nodes over the scene's ranges. A compact
+    /// form that is too long is corrected several times. If the choice changes, the plan is not
+    /// [measured](TablePlan::is_measured): fit the new choice too.
     pub fn measure(&mut self, table: &Table, whole: Option<&Table>, seconds: Option<f64>) {
         let probes = Probes::new(&self.needs);
-        // A table to ship is measured as it decodes.
+        // A table to ship is measured after decoding.
         let (decoded, shipped) = self.chosen.shipped.and_then(|_| shipped(table)).unzip();
         let error = probes.error(decoded.as_ref().unwrap_or(table));
         if let Some(whole) = whole {
@@ -202,12 +204,12 @@ impl<'a> TablePlan<'a> {
         let is_met = match self.budget {
             Budget::Error(most) => error <= most,
             Budget::Bytes(most) => spent <= most,
-            // Seconds are compared as predicted, since other machines take other times.
+            // Seconds are compared as predicted, because other machines take other times.
             Budget::Seconds(_) | Budget::Knee => self.is_met,
         };
         let misses = self.is_met && !is_met;
         self.is_met = is_met && self.shading.is_table_readable;
-        // Predicted bytes of compact forms are off by a few percent, which may be too much.
+        // Predicted bytes of compact forms are off by a few percent, so the form may exceed the budget.
         let is_too_long = self.chosen.shipped.is_some()
             && self.fitted.len() < MOST_FITTED
             && matches!(self.budget, Budget::Bytes(most) if spent > most);
@@ -225,12 +227,12 @@ impl<'a> TablePlan<'a> {
             }
         }
         if self.is_measured() {
-            // A table without light has no error of light.
+            // A table that cannot light surfaces has no light error.
             let _ = self.shading.measure(&self.needs, table);
         }
     }
 
-    /// The nodes of the default table over the scene's ranges, as halves.
+    /// The candidate with the default table's numbers of nodes over the scene's ranges, in halves.
     fn of_default_nodes(&self) -> Candidate {
         let base = &self.prediction.base;
         let resolution = nodes_within(&base.range, base.layout.default_resolution());
@@ -244,14 +246,14 @@ impl<'a> TablePlan<'a> {
         self.candidates.iter().filter(move |candidate| candidate.kind() == self.chosen.kind())
     }
 
-    /// The lobes that a table of the scene may have, each with the error of lobes that are fitted at configurations of
-    /// the scene. Empty if there is no choice.
+    /// The choices of lobes for the scene's table, each with the error of lobes that are fitted at configurations of
+    /// the scene. Empty if there is only one choice.
     pub(crate) fn lobes(&self) -> impl Iterator<Item = (&LobeFresnel, f64)> {
         let all = &self.prediction.lobes;
         all.iter().filter(|_| all.len() > 1).map(|lobes| (&lobes.fresnel, lobes.error))
     }
 
-    /// The choice as it was fitted and measured last.
+    /// The measurement of the choice, if it was the last to be fitted and measured.
     #[must_use]
     pub fn measured(&self) -> Option<&Fitted> {
         self.fitted.last().filter(|fitted| fitted.candidate.recipe == self.chosen.recipe)
@@ -264,7 +266,7 @@ impl<'a> TablePlan<'a> {
     }
 }
 
-/// The default table of the scattering model, over all of its domain.
+/// The default table of the scattering model, over its whole domain.
 fn whole(base: &Recipe) -> Whole {
     let quarter = [0.0, std::f64::consts::FRAC_PI_2];
     let anisotropic = PerAxis { alpha: [0.0, 1.0], ratio: [0.0, 1.0], theta: quarter, phi: quarter };

@@ -1,13 +1,14 @@
 //! Predicts the error of tables of any resolution from one coarse table.
 //!
-//! A table over the scene's own ranges is fitted once and measured at configurations of the scene. For each axis it is
-//! then read with fewer nodes along that axis alone, which also shows if nodes fall on the scene's roughnesses. Errors
-//! of different axes and of the fit's effort add up, as in `ltcforge_fit::expectation` over the whole domain. Between
-//! the counts that were read, and beyond them, the error that an axis adds is linear in the square of the step between
-//! its nodes.
+//! A table over the scene's own ranges is fitted once and measured at configurations of the scene. For each axis, it is
+//! then read with fewer nodes along this axis only. This also shows whether nodes coincide with the scene's
+//! roughnesses. The errors due to each axis and to the effort of the fit add up, as in `ltcforge_fit::expectation` for
+//! the whole domain. Between the numbers of nodes that were read, and beyond them, the error that an axis adds is
+//! linear in the square of the step between its nodes.
 //!
-//! If tables may have two lobes an entry, the coarse table has two. Read at one reflectance it is a table of one lobe.
-//! Each has its own curve: one lobe is far from plastic or from metal, and that error hides the error of interpolation.
+//! If tables may have two lobes per entry, the coarse table has two lobes. Read at one reflectance, it is a table of
+//! one lobe. One lobe and two lobes have separate curves: a single lobe is far from plastic or from metal, and this
+//! error hides the interpolation error.
 
 use crate::{
     curve::{Curve, squared_steps},
@@ -32,28 +33,29 @@ const ANISOTROPIC: PerAxis<u32> = PerAxis { alpha: 11, ratio: 5, theta: 11, phi:
 /// Predicts the errors of tables of one layout over a scene's ranges.
 #[derive(Debug, Clone)]
 pub(crate) struct Prediction {
-    /// The recipe of the coarse table. Other recipes differ in their resolution, effort and precision.
+    /// The recipe of the coarse table. Predicted recipes have its model and ranges. They may differ in nodes, lobes,
+    /// effort and precision, and may have layout `materials`.
     pub(crate) base: Recipe,
     /// All choices of lobes; those of the coarse table first.
     pub(crate) lobes: Vec<Lobes>,
     /// The errors of the lobes that a table may have; those of the coarse table first.
     pub(crate) curves: Vec<Curve>,
-    /// The bytes of compact forms, if the budget is of them.
+    /// The bytes of compact forms, if the budget counts them.
     shipped: Option<ShippedBytes>,
     /// The scene's pairs of alpha and ratio; empty if a table cannot have them as materials.
     pub(crate) materials: Vec<[f64; 2]>,
 }
 
-/// The nodes of a table over the ranges of the coarse one.
+/// The nodes of a table over the ranges of the coarse table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Nodes {
     /// The index of the table's lobes in [`Prediction::curves`].
     pub(crate) lobes: usize,
-    /// How many each axis has.
+    /// The number of nodes on each axis.
     pub(crate) resolution: PerAxis<u32>,
-    /// The index in [`Curve::given`] of nodes of alpha, and of ratio, that are given one by one.
+    /// The index of listed nodes in [`Curve::given`], for alpha and for ratio.
     pub(crate) given: [Option<usize>; 2],
-    /// Whether they are the scene's pairs, in a table of layout `materials`.
+    /// Whether the nodes are the scene's pairs, in a table of layout `materials`.
     pub(crate) of_materials: bool,
 }
 
@@ -64,7 +66,7 @@ impl Nodes {
     }
 }
 
-/// Nodes on each axis, one where the range is one value.
+/// The number of nodes on each axis: one if the range is a single value.
 pub(crate) fn nodes_within(range: &PerAxis<[f64; 2]>, resolution: PerAxis<u32>) -> PerAxis<u32> {
     let nodes = |[low, high]: [f64; 2], n: u32| if low < high { n } else { 1 };
     PerAxis {
@@ -76,7 +78,8 @@ pub(crate) fn nodes_within(range: &PerAxis<[f64; 2]>, resolution: PerAxis<u32>) 
 }
 
 impl Prediction {
-    /// Fits the coarse table and measures it. Runs on the current rayon pool, whose size changes nothing.
+    /// Fits the coarse table and measures it. Runs on the current rayon pool. The size of the pool does not change the
+    /// result.
     ///
     /// # Errors
     /// [`Stopped`] if `go_on` returns `false`.
@@ -87,7 +90,7 @@ impl Prediction {
         go_on: &GoOn<'_>,
     ) -> Result<Self, Stopped> {
         let coarse = if needs.is_isotropic() { ISOTROPIC } else { ANISOTROPIC };
-        // Readers of some layouts take one domain and tables of one size.
+        // Readers of some layouts expect one domain and one size.
         let only = layout.only_ranges();
         let mut base = Recipe {
             fitter: FITTER_VERSION,
@@ -101,7 +104,7 @@ impl Prediction {
             precision: Precision::F32,
             given: GivenNodes::default(),
         };
-        // Engines have no place for a second lobe, and a blend needs terms.
+        // Engines cannot read a second lobe, and a blend needs terms.
         let may_be_two = only.is_none() && base.terms.any() && form.gpu.allows(text_cost(layout, true));
         let lobes = lobes(needs, may_be_two, probes, &base, go_on)?;
         base.brdf = base.brdf.with_fresnel(lobes[0].fresnel.clone());
@@ -109,10 +112,10 @@ impl Prediction {
         // A table may also have the best single lobe instead of two.
         let choices = if lobes[0].fresnel.second().is_some() { 2 } else { 1 };
         let choices = lobes[..choices].iter().map(|choice| choice.fresnel.clone());
-        // Compact forms have the evenly spaced nodes of a layout.
+        // Compact forms need the evenly spaced nodes of a layout.
         let is_even = form.ship && has_form(layout);
         let curves = Curve::read((&table, &base), choices, (needs, probes), form.any_nodes && !is_even, go_on)?;
-        // Tables of materials have two thetas at least.
+        // Tables of materials have at least two theta nodes.
         let may_be_materials = layout == Layout::Reflected && base.range.theta[0] < base.range.theta[1] && !is_even;
         let materials = if may_be_materials { needs.pairs() } else { Vec::new() };
         let shipped = if form.ship { ShippedBytes::of(&table, &base) } else { None };
@@ -124,25 +127,26 @@ impl Prediction {
         self.curves[nodes.lobes].of_base + self.of_nodes(nodes) + added_error(recipe) - added_error(&self.base)
     }
 
-    /// The error of the finest table of some lobes.
+    /// The error of the finest table with these lobes.
     pub(crate) fn limit(&self, fresnel: &LobeFresnel) -> f64 {
         let curve = self.curves.iter().find(|curve| curve.fresnel == *fresnel).unwrap_or(&self.curves[0]);
         curve.of_base + curve.interpolation([0.0; 4]) - added_error(&self.base)
     }
 
-    /// The bytes of a recipe's compact form, if the budget is of them.
+    /// The bytes of a recipe's compact form, if the budget counts them.
     pub(crate) fn shipped(&self, recipe: &Recipe) -> Option<u64> {
         self.shipped.as_ref().map(|shipped| shipped.bytes(recipe))
     }
 
-    /// The same prediction after a table was measured: with all errors multiplied, and all bytes of compact forms.
+    /// The prediction after a table was measured: `factor` multiplies all errors, `of_bytes` all bytes of compact
+    /// forms.
     pub(crate) fn corrected(&self, factor: f64, of_bytes: f64) -> Self {
         let curves = self.curves.iter().map(|curve| curve.clone().scaled(factor)).collect();
         let shipped = self.shipped.as_ref().map(|shipped| shipped.corrected(of_bytes));
         Self { curves, shipped, ..self.clone() }
     }
 
-    /// The error that nodes add to that of the coarse table.
+    /// The error that nodes add to the coarse table's error.
     pub(crate) fn of_nodes(&self, nodes: Nodes) -> f64 {
         let Nodes { lobes, resolution, given, of_materials } = nodes;
         let curve = &self.curves[lobes];
@@ -158,7 +162,7 @@ impl Prediction {
         curve.interpolation(squared) + more
     }
 
-    /// The recipe of a table with some nodes, with the coarse table's effort and number format.
+    /// The recipe of a table with these nodes, and the coarse table's effort and number format.
     pub(crate) fn recipe(&self, nodes: Nodes) -> Recipe {
         let Nodes { lobes, resolution, given, of_materials } = nodes;
         let curve = &self.curves[lobes];

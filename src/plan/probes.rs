@@ -1,13 +1,13 @@
-//! Configurations of a scene with the lobes of its materials, which measure the error of tables.
+//! Configurations of a scene with the lobes of its materials, for measuring the errors of tables.
 
 use crate::needs::{Needs, Place};
 use ltcforge_fit::{
     BrdfModel, Closeness, LobeFresnel, LobeModel, LookedUp, SampledLobes, Table, WeightedF0, brdf::LobeTerms,
 };
 
-/// Configurations at which plans are measured, predicted and fitted.
+/// Number of configurations at which plans are measured, predicted and fitted.
 const POINTS: usize = 256;
-/// The first configurations, for the difference of two tables.
+/// Number of configurations at which two tables are compared. They are the first of the sequence.
 const COARSE_POINTS: usize = 64;
 
 /// The caller's `go_on` returned `false`.
@@ -23,7 +23,8 @@ pub(crate) struct Probes {
 }
 
 impl Probes {
-    /// Draws configurations by their weights in the scene. Runs on the current rayon pool, whose size changes nothing.
+    /// Draws configurations by their weights in the scene. Runs on the current rayon pool. The size of the pool does
+    /// not change the result.
     pub(crate) fn new(needs: &Needs<'_>) -> Self {
         let places = needs.draw(POINTS);
         let model = |place: &Place| {
@@ -34,12 +35,12 @@ impl Probes {
         Self { lobes: SampledLobes::new(&at), places }
     }
 
-    /// Mean error of a table, as a part of the width of the material's lobe.
+    /// Mean error of a table, as a fraction of the width of the material's lobe.
     pub(crate) fn error(&self, table: &Table) -> f64 {
         self.error_as(table, table.brdf.fresnel(), Closeness::Report)
     }
 
-    /// Mean error of a table that is read as one that was fitted to `lobes`. A table of two lobes is blended for the
+    /// Mean error of a table that is read as if it was fitted to `lobes`. A table with two lobes is blended for the
     /// reflectance that one lobe would be fitted to.
     pub(crate) fn error_as(&self, table: &Table, lobes: &LobeFresnel, closeness: Closeness) -> f64 {
         let points = if closeness == Closeness::Coarse { COARSE_POINTS } else { POINTS };
@@ -52,7 +53,7 @@ impl Probes {
         self.mean(table.lobe, &self.places[..points].iter().map(at).collect::<Vec<_>>(), closeness)
     }
 
-    /// Mean error of lobes that are fitted for the first places, one each. Domain: one at least.
+    /// Mean error of lobes, each fitted for one of the first places. Domain: at least one lobe.
     pub(crate) fn error_of(&self, lobes: &[LookedUp]) -> f64 {
         let blended = self.places.iter().zip(lobes).map(|(place, lobe)| lobe.blended_for(place.f0));
         self.mean(LobeModel::Ltc, &blended.collect::<Vec<_>>(), Closeness::Report)

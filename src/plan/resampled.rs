@@ -2,7 +2,7 @@
 
 use ltcforge_fit::{PerAxis, Recipe, Table, Terms};
 
-/// The same values except on one axis.
+/// Replaces the value of one axis.
 pub(crate) fn with<T>(mut axes: PerAxis<T>, axis: usize, value: T) -> PerAxis<T> {
     *[&mut axes.alpha, &mut axes.ratio, &mut axes.theta, &mut axes.phi][axis] = value;
     axes
@@ -14,8 +14,8 @@ pub(crate) fn coarser(table: &Table, recipe: &Recipe, axis: usize, count: u32) -
     resampled(table, axis, nodes.named()[axis].1.clone())
 }
 
-/// The table with other nodes on one axis, linear between its own. Domain: nodes within its own, no edge term, and a
-/// layout whose weights are linear in the values of the axes.
+/// The table with other nodes on one axis, interpolated linearly. Domain: nodes within the table's range, no edge term,
+/// and a layout whose weights are linear in the values of the axes.
 pub(crate) fn resampled(table: &Table, axis: usize, nodes: Vec<f64>) -> Table {
     let lengths = table.axes.named().map(|(_, nodes)| nodes.len());
     // Later axes vary faster.

@@ -1,7 +1,7 @@
 //! Predicts the bytes of compact forms from the coarse table.
 //!
-//! The coarse table has a compact form, and so has the table of every second of its nodes along one axis. From both we
-//! know how the bytes grow with the nodes of that axis, as a power of their number. Powers of different axes multiply.
+//! We encode the coarse table, and for each axis the table with every second node along this axis. The two sizes give
+//! the growth of the bytes with the number of nodes on this axis, as a power. Powers of different axes multiply.
 
 use crate::resampled::coarser;
 use ltcforge_files::compact;
@@ -10,8 +10,8 @@ use ltcforge_fit::{
     math::{ln, pow},
 };
 
-/// The bytes of a second lobe's form over those of the first: the default table has 9,760 and 14,105
-/// (`docs/compact.md`).
+/// The bytes of a second lobe's form, divided by the bytes of the first lobe's form. For the default table, the forms
+/// have 9,760 and 14,105 bytes.
 const SECOND: f64 = 0.69;
 
 /// Predicts the bytes of compact forms.
@@ -38,7 +38,8 @@ impl ShippedBytes {
         Some(Self { of_base, nodes, powers })
     }
 
-    /// The bytes of a recipe's table. Domain: evenly spaced nodes over the ranges of the coarse table.
+    /// The bytes of the compact form of a recipe's table. Domain: evenly spaced nodes over the ranges of the coarse
+    /// table.
     pub(crate) fn bytes(&self, recipe: &Recipe) -> u64 {
         let resolution = recipe.resolution.named().map(|(_, n)| *n);
         let grown =
@@ -53,7 +54,8 @@ impl ShippedBytes {
     }
 }
 
-/// A table as its compact form decodes, and the bytes of that form; `None` if it has no compact form.
+/// Encodes a table and decodes the compact form. Returns the decoded table and the bytes of the form; `None` if the
+/// table has no compact form.
 pub(crate) fn shipped(table: &Table) -> Option<(Table, u64)> {
     let forms = compact::encode_lobes(table).ok()?;
     let decoded: Option<Vec<Table>> = forms.iter().map(|form| compact::decode(&form.bytes).ok()).collect();

@@ -46,7 +46,7 @@ impl Shared {
         Self { scene: LazyLock::new(scene), plan: OnceLock::new(), any_nodes }
     }
 
-    /// Predicted on one thread.
+    /// The plan, predicted on one thread.
     fn plan(&'static self, budget: Budget) -> TablePlan<'static> {
         let planned = || {
             let needs = Needs::of(&self.scene, false).expect("lobes");
@@ -68,7 +68,7 @@ pub(crate) fn isotropic() -> TablePlan<'static> {
     ISOTROPIC_PLAN.plan(Budget::Knee)
 }
 
-/// With an eighth of the bytes a plan is not worse than the table of the whole domain, and as good as predicted.
+/// With an eighth of the bytes, a plan is as good as the table of the whole domain and as good as predicted.
 #[test]
 fn an_eighth_of_the_bytes_serves_a_few_materials_as_well_as_the_whole_domain() {
     for shared in [&ISOTROPIC_PLAN, &ANISOTROPIC_PLAN] {
@@ -145,7 +145,7 @@ static CROWDED_PLAN: Shared = Shared::new(
     true,
 );
 
-/// Nodes that are closer where roughnesses are have less error.
+/// Nodes that are closer together near the roughnesses give less error.
 #[test]
 fn nodes_are_closer_where_more_surface_is() {
     let plan = CROWDED_PLAN.plan(Budget::Bytes(1100));
@@ -162,7 +162,7 @@ fn nodes_are_closer_where_more_surface_is() {
 
 /// Materials far apart in both roughness and ratio: most nodes of a grid would be far from all of them.
 #[test]
-fn materials_far_apart_have_a_table_of_their_own() {
+fn materials_far_apart_have_their_own_table() {
     let scene = listed(include_str!("../../docs/plan/seven.json"));
     let mut plan = planned(&scene, Budget::Bytes(isotropic().whole.bytes / 8));
     let recipe = plan.chosen.recipe.clone();
@@ -210,7 +210,7 @@ fn a_prediction_that_was_far_off_is_corrected_once() {
     assert!(is_new || measured.off_by() == first_off_by, "{measured:?}");
 }
 
-/// The table of the whole domain that plans are compared with is the default one.
+/// Plans are compared with the default table of the whole domain.
 #[test]
 fn the_whole_domain_s_table_is_kept() {
     let plan = isotropic();
@@ -231,7 +231,7 @@ fn the_whole_domain_s_table_is_kept() {
 fn the_measured_error_decides_whether_a_budget_is_met() {
     let mut plan = ISOTROPIC_PLAN.plan(Budget::Error(0.06));
     assert!(plan.is_met && plan.chosen.error <= 0.06);
-    // A table of a few samples instead of the choice's.
+    // A table that was fitted with few samples replaces the table of the choice.
     let poor = Recipe {
         fit: ltcforge_fit::FitSettings { samples: 16, directions: 2, ..plan.chosen.recipe.fit },
         ..plan.chosen.recipe.clone()
@@ -260,12 +260,12 @@ fn a_table_without_terms_has_fewer_bytes() {
     assert_eq!(parse(canonical_json(recipe).as_bytes(), DEFAULT_ENTRY_LIMIT).as_ref(), Ok(recipe));
 }
 
-/// The largest roughnesses have marks of their own, the others share squares.
+/// The largest roughnesses have their own marks; the others share squares.
 #[test]
 fn a_picture_of_many_roughnesses_has_a_bounded_length() {
     let svg = picture(&[CROWDED_PLAN.plan(Budget::Bytes(2000))]);
     assert_eq!(svg.matches(r#"<circle class="spot""#).count(), 200);
-    // The last 102 have one part of 306 each and are next to each other.
+    // The last 102 roughnesses have 1/306 of the surface each, and are close together.
     assert!(svg.contains("squares: 102 more roughnesses, 33.3 % of the surface"));
     assert!((1..=2).contains(&svg.matches(r#"<rect class="spot""#).count()));
     let few = picture(&[ISOTROPIC_PLAN.plan(Budget::Bytes(2000))]);

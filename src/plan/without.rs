@@ -7,20 +7,21 @@ use ltcforge_fit::{BrdfKind, Layout, PerAxis, Recipe, Table};
 use ltcforge_light::{LightError, LightModel, Lighting, RandomLights, light_error, normals::NormalsRule};
 use ltcforge_shaders::GpuCost;
 
-/// Random rectangles over the scene's ranges that compare table and model. Tests need no figure.
+/// Number of random rectangular lights, over the scene's ranges, for which table and model are compared. Tests do not
+/// need accurate errors.
 const LIGHTS: usize = if cfg!(test) { 50 } else { 500 };
 
-/// The most that a shader may cost a GPU, see [`GpuCost`].
+/// Limits of the GPU cost of a shader, see [`GpuCost`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct GpuLimit {
-    /// The most vector registers.
+    /// Maximum number of vector registers.
     pub registers: Option<u32>,
-    /// The most instructions.
+    /// Maximum number of instructions.
     pub instructions: Option<u32>,
 }
 
 impl GpuLimit {
-    /// Whether a cost is within the limits. An unknown cost is within no limit.
+    /// Whether a cost is within the limits. An unknown cost exceeds every limit.
     pub(crate) fn allows(self, cost: Option<GpuCost>) -> bool {
         let within = |limit: Option<u32>, count: fn(GpuCost) -> u32| {
             limit.is_none_or(|most| cost.is_some_and(|cost| count(cost) <= most))
@@ -34,7 +35,7 @@ impl GpuLimit {
     }
 }
 
-/// The cost of the shader that reads tables of a layout, of two lobes an entry or one.
+/// The cost of the shader that reads tables of a layout, with one or two lobes per entry.
 pub(crate) fn text_cost(layout: Layout, is_two: bool) -> Option<GpuCost> {
     let blended = if is_two { ", blended" } else { "" };
     GpuCost::of(&format!("ltc {layout}{blended}"))
@@ -61,11 +62,11 @@ pub(crate) struct WithoutTable {
 pub(crate) struct Shading {
     /// The cost of the shader that reads the table.
     pub(crate) gpu_cost: Option<GpuCost>,
-    /// Whether that cost is within the limits.
+    /// Whether the cost of the table's shader is within the limits.
     pub(crate) is_table_readable: bool,
     /// Mean absolute error of the table's light, if it was measured.
     pub(crate) light_error: Option<f64>,
-    /// The finest rule within the limits; without limits the default rule.
+    /// The rule with the least error within the limits; without limits, the default rule.
     pub(crate) rule: Option<NormalsRule>,
     /// The rules.
     pub(crate) without_table: Vec<WithoutTable>,
@@ -95,7 +96,7 @@ impl Shading {
     /// a Fresnel factor of one. Runs on the current rayon pool.
     ///
     /// # Errors
-    /// If the table gives no light.
+    /// When the table cannot light surfaces.
     pub(crate) fn measure(&mut self, needs: &Needs<'_>, table: &Table) -> Result<(), LightError> {
         let of_pair = |[alpha, ratio]: [f64; 2]| PerAxis { alpha: [alpha; 2], ratio: [ratio; 2], ..needs.range };
         let mut ranges: Vec<PerAxis<[f64; 2]>> = table.materials().map(of_pair).collect();
@@ -126,10 +127,10 @@ impl Shading {
             }
             None => "not counted".to_owned(),
         };
-        let (table, beyond) = (words(self.gpu_cost), "more than the GPU may spend");
+        let table = words(self.gpu_cost);
         let mut lines = Vec::new();
         if !self.is_table_readable {
-            lines.push(format!("the table's shader takes {beyond}: {table}"));
+            lines.push(format!("the table's shader exceeds the GPU limits: {table}"));
         }
         let without = self.without_table.iter().find(|without| Some(without.rule) == self.rule);
         if let Some(WithoutTable { rule, gpu_cost, light_error }) = without {
@@ -148,7 +149,7 @@ impl Shading {
             let own = words(least.gpu_cost);
             let rule = least.rule;
             lines.push(format!(
-                "without a table: no rule of model normals; the shortest, {rule}, takes {beyond}: {own}"
+                "without a table: no rule of model normals is within the limits; the shortest, {rule}, needs {own}"
             ));
         }
         lines

@@ -1,4 +1,4 @@
-//! A plan in words, one fact a line.
+//! A plan in words, one fact per line.
 
 use crate::{
     candidates::Budget,
@@ -23,7 +23,7 @@ pub fn words(scene: &Scene, plans: &[TablePlan<'_>]) -> Vec<String> {
     lines
 }
 
-/// The light of a scene that no table covers, and notes about parts that were not read.
+/// The parts of a scene's light that no table covers, and notes about parts of the scene that were not read.
 #[must_use]
 pub fn left_out(scene: &Scene) -> Vec<String> {
     let mut lines = Vec::new();
@@ -58,7 +58,7 @@ fn words_of(plan: &TablePlan<'_>) -> Vec<String> {
     });
     let mut lines = vec![format!(
         "{prefix}{surfaces} x {theta} x {phi} nodes, {}{shipped} as {}, {}, {:.1} s on one core: expected error {:.4}, of \
-         which {limit:.4} stays with {}{measured}",
+         which {limit:.4} remains with {}{measured}",
         in_bytes(chosen.bytes),
         recipe.precision,
         effort_in_words(&recipe.fit),
@@ -72,7 +72,7 @@ fn words_of(plan: &TablePlan<'_>) -> Vec<String> {
     lines.push(format!("{prefix}the table of the whole domain has {}{error}", in_bytes(whole.bytes)));
     lines.extend(plan.shading.words());
     if plan.form.ship && chosen.shipped.is_none() {
-        lines.push(format!("{prefix}the table has no compact form; the budget is of its bytes on a GPU"));
+        lines.push(format!("{prefix}the table has no compact form; the budget counts its bytes on a GPU"));
     }
     if !recipe.terms.any() {
         lines.push("the table has no terms; the energy of its lobes must come from elsewhere".to_owned());
@@ -93,10 +93,10 @@ fn words_of(plan: &TablePlan<'_>) -> Vec<String> {
 fn lobes_in_words(plan: &TablePlan<'_>) -> Option<String> {
     let error = |is_two| plan.lobes().find(|(lobes, _)| lobes.second().is_some() == is_two).map(|(_, error)| error);
     let one = error(false)?;
-    let two = error(true).map_or_else(String::new, |two| format!(", of two {two:.4}"));
+    let two = error(true).map_or_else(String::new, |two| format!(", of two lobes {two:.4}"));
     let chosen = plan.chosen.recipe.brdf.fresnel();
     let choice = if chosen.second().is_some() {
-        "metal and dielectrics have two lobes an entry, blended, which shader --two-lobes reads".to_owned()
+        "metal and dielectrics have two lobes per entry, blended; use shader --two-lobes".to_owned()
     } else {
         format!("one lobe serves metal and dielectrics: {chosen}")
     };

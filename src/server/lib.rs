@@ -1,4 +1,4 @@
-//! The server: the store of blobs and rows, the durable queue, the service, and HTTP.
+//! The server: the store for blobs and rows, the durable queue, the service, and the HTTP interface.
 
 pub mod http;
 pub mod queue;

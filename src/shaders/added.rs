@@ -1,4 +1,4 @@
-//! Functions that can be added to a text to include: their files, calls and descriptions.
+//! Optional functions for a shader text: their files, calls and descriptions.
 
 use super::{Additions, Lights, LitBy, Reading};
 use ltcforge_light::LightModel;
@@ -6,16 +6,16 @@ use ltcforge_light::LightModel;
 const CUT: &str = "\
 LIGHT FROM BELOW
   ltc_cut_rectangle, ltc_cut_polygon{shapes} take the same arguments.
-      Their lobes end at the surface, so no light shines through from below. The functions without cut let through up to
-      a fifth of a light that lies below.
+      Their lobes end at the surface, so no light shines through from below. Without the cut, up to a fifth of a light
+      below the surface shines through.
 ";
 const CUT_SHAPES: &str = ", ltc_cut_disk, ltc_cut_sphere, ltc_cut_tube, ltc_cut_line";
 
 const COMPENSATION: &str = "\
 ENERGY
   {call}
-      once for a point and view: the factor by which to multiply what a metal of reflectance f0 reflects. It gives back
-      the energy that shadowing loses: white metal then reflects all light of a white sky.
+      once for a point and view: a factor on the reflected light of a metal with reflectance f0. It restores the energy
+      that shadowing loses. White metal then reflects all light of a white sky.
 ";
 
 const POLYGONS_CUT: &str =
@@ -39,7 +39,7 @@ fn compensation(model: LightModel) -> (&'static str, &'static [&'static str]) {
 }
 
 impl LitBy {
-    /// The files of the additions.
+    /// The files that the additions need.
     pub(super) fn added_files(self, lights: Lights) -> Vec<&'static str> {
         let Additions { cut, compensate, .. } = self.additions();
         let cut: &[&str] = match (cut, lights) {
@@ -50,7 +50,7 @@ impl LitBy {
         [cut, if compensate { compensation(self.model()).1 } else { &[] }].concat()
     }
 
-    /// A fragment shader that calls every function of the text to include, named `ltc_included`.
+    /// A fragment shader named `ltc_included` that calls every function of the shader text.
     #[must_use]
     pub fn caller(self, reading: Reading, lights: Lights) -> String {
         let Additions { cut, compensate, .. } = self.additions();
@@ -70,7 +70,7 @@ impl LitBy {
         (self.shader().caller)(reading, lights).replacen("    return ", &format!("{calls}    return "), 1)
     }
 
-    /// The comment of a text to include, with its additions described before its last part.
+    /// The comment of a shader text. The additions are described before its last part.
     #[must_use]
     pub fn explained(self, comment: &str, lights: Lights) -> String {
         let Additions { cut, compensate, .. } = self.additions();

@@ -1,22 +1,22 @@
-//! Optional functions of a text to include.
+//! Optional functions in a shader text.
 
 use ltcforge_light::{LightModel, textured::Readings};
 
-/// The additions to the text of a light model; none by default.
+/// The additions to the shader text of a light model. The default has no additions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Additions {
-    /// For tables of LTCs: functions whose lobes end at the surface, so no light shines through from below.
+    /// For tables of LTCs: functions for lobes that end at the surface. No light shines through from below.
     pub cut: bool,
-    /// The factor by which metals gain the energy of multiple bounces.
+    /// The factor that restores the energy of multiple bounces in metals.
     pub compensate: bool,
-    /// Rectangles with pictures, and the number of readings of each.
+    /// Rectangles with pictures, and the number of texture reads per rectangle.
     pub textured: Option<Readings>,
 }
 
-/// The model's text does not have this addition.
+/// The shader text of the model does not support this addition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum AdditionError {
-    /// No light shines through from below.
+    /// The model has nothing to cut, because no light shines through from below.
     #[error("--cut needs model ltc: model {0} lets no light through from below the surface")]
     NothingBelow(LightModel),
     /// The model has no functions for pictures.
@@ -24,7 +24,7 @@ pub enum AdditionError {
     NoPictures(LightModel),
 }
 
-/// The prefix of a model's names and the type of its lobe, for models with pictures on rectangles.
+/// For models with pictures on rectangles: the prefix of the model's names, and the type of its lobe.
 pub(super) fn pictured(model: LightModel) -> Option<[&'static str; 2]> {
     match model {
         LightModel::Normals => Some(["normals", "NormalsView"]),
@@ -34,7 +34,7 @@ pub(super) fn pictured(model: LightModel) -> Option<[&'static str; 2]> {
 }
 
 impl Additions {
-    /// Checks that the text of a model can have these additions.
+    /// Checks that the model supports these additions.
     ///
     /// # Errors
     /// [`AdditionError`] for `cut` with a model other than LTCs, and for `textured` with a model without pictures.

@@ -26,7 +26,7 @@ pub(super) fn bindings(language: Language) -> &'static str {
         }
         Language::Hlsl => {
             "\
-  matrices  M[i] is column i of M here as in the other languages, what HLSL calls a row: M v is mul(v, M)
+  matrices  M[i] is column i of M, as in the other languages. HLSL calls it a row, so M v is mul(v, M)
   here      uniform b0, matrix_a t1, matrix_b t2, terms t3, all of space0
             of the example: b0 and u1 of space1
   No sampler: the shader interpolates."
@@ -40,7 +40,7 @@ pub(super) fn bindings(language: Language) -> &'static str {
     }
 }
 
-/// The bindings of a text to include.
+/// The bindings of a shader text.
 pub(super) fn included_bindings(language: Language, reading: Reading, namespace: &Namespace) -> String {
     let bound = match reading.bound {
         Bound::Volumes => bound_volumes(language),
@@ -84,12 +84,12 @@ fn bound_volumes(language: Language) -> &'static str {
         }
         Language::Hlsl => {
             "\
-  matrices  M[i] is column i of M here as in the other languages, what HLSL calls a row: M v is mul(v, M)
+  matrices  M[i] is column i of M, as in the other languages. HLSL calls it a row, so M v is mul(v, M)
   here      uniform b{0}, matrix_a t{1}, matrix_b t{2}, terms t{3}, sampler s{4}{space}"
         }
         Language::Msl | Language::Spirv => {
             "\
-  here      nothing is bound: functions take what they read as arguments, which are called ltc_table,
+  here      no bindings: functions take the resources as arguments with the names ltc_table,
             ltc_matrix_a, ltc_matrix_b, ltc_terms and ltc_sampler"
         }
     }
@@ -114,12 +114,12 @@ fn bound_array(language: Language) -> &'static str {
         }
         Language::Hlsl => {
             "\
-  matrices  M[i] is column i of M here as in the other languages, what HLSL calls a row: M v is mul(v, M)
+  matrices  M[i] is column i of M, as in the other languages. HLSL calls it a row, so M v is mul(v, M)
   here      uniform b{0}, layers t{1}, sampler s{2}{space}"
         }
         Language::Msl | Language::Spirv => {
             "\
-  here      nothing is bound: functions take what they read as arguments, which are called ltc_table, ltc_layers and
+  here      no bindings: functions take the resources as arguments with the names ltc_table, ltc_layers and
             ltc_sampler"
         }
     }

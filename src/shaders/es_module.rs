@@ -1,4 +1,4 @@
-//! A text as a JavaScript module, and the types of the module.
+//! A shader text as a JavaScript module, and the module's types.
 
 use super::Language;
 
@@ -6,7 +6,7 @@ use super::Language;
 pub const DECLARATIONS: &str =
     "/** The text of a shader, as `ltcforge shader` prints it. */\ndeclare const text: string;\nexport default text;\n";
 
-/// A module whose default export is the text. A comment before the text names the language for editors.
+/// A module with the text as its default export. A comment before the text names the language for editors.
 #[must_use]
 pub fn es_module(text: &str, language: Language) -> String {
     let kind = match language {
@@ -22,7 +22,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_a_template_would_read_is_escaped() {
+    fn special_characters_of_templates_are_escaped() {
         let module = es_module("a `b` ${c} \\d $e\n", Language::GlslEs);
         assert_eq!(module, "export default /* glsl */ `a \\`b\\` \\${c} \\\\d $e\n`;\n");
     }

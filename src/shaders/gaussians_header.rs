@@ -1,4 +1,4 @@
-//! The comment at the top of the shader that lights by a Gaussian.
+//! The comment at the top of the shader for light by a Gaussian without a table.
 
 use super::{
     Language,
@@ -10,7 +10,7 @@ use super::{
 use ltcforge_fit::Sides;
 use ltcforge_light::gaussians::{Gaussian, SgLight, reflected, reflected_sg};
 
-/// The light of a Gaussian.
+/// The shader for light by a Gaussian.
 pub(super) const SHADER: ModelShader = ModelShader {
     prefix: "gaussians",
     functions: |_| &["ltc_math", "gaussians_light"],
@@ -20,7 +20,7 @@ pub(super) const SHADER: ModelShader = ModelShader {
     include_comment: |_, _, _, _, _| gaussians_include_header(),
 };
 
-/// The fragment shader that calls every function. `view` names the function that returns the view.
+/// The fragment shader that calls every function. `view` is the name of the function that returns the view.
 pub(super) fn gaussians_caller(view: &str) -> String {
     caller(&format!("let view = {view}(1u, 0.5, 0.5, vec3(0.0, 0.0, 1.0));"), CALLS)
 }
@@ -30,7 +30,7 @@ const CALLS: &str = "    let disk = gaussians_disk(view, vertices[0], vertices[1
     return vec4(gaussians_rectangle(view, corners, true) + polygon, disk);
 ";
 
-/// The revision, raised when the values of the check change.
+/// The revision. It is raised when the values of the check change.
 const REVISION: u32 = 1;
 
 /// The first part of the comment: description and functions.
@@ -43,15 +43,15 @@ FUNCTIONS
       above 0. wo is the view direction in the tangent frame, normal +z, of unit length.
 {lights}";
 
-/// The functions of a Gaussian's lights, with a table or without one.
+/// The functions for lights by a Gaussian, with or without a table.
 pub(super) const LIGHTS: &str =
     "  gaussians_rectangle(view, corners, two_sided), gaussians_polygon(view, vertices, count, two_sided),
   gaussians_disk(view, centre, half_x, half_y, two_sided)
-      reflected light of a light of radiance one. x: for a Fresnel factor of one. y: the part of x that Schlick's
-      (1 - cos)^5 weighs. Vertices are relative to the shaded point, in the tangent frame, convex, and run clockwise as
+      reflected light of a light of radiance one. x: for a Fresnel factor of one. y: the same, weighted by Schlick's
+      (1 - cos)^5. Vertices are relative to the shaded point, in the tangent frame, convex, and run clockwise as
       seen from the side that emits. A disk emits towards half_x x half_y.
   gaussians_sg(view, axis, sharpness, amplitude)
-      the same for the light amplitude exp(sharpness (w . axis - 1)), as lightmaps and probes store it.
+      the same for a light amplitude exp(sharpness (w . axis - 1)), as in lightmaps and probes.
   Light of radiance L arrives as L (f0 (x - y) + f90 y).
 ";
 
@@ -66,11 +66,11 @@ EXAMPLE
   Result: a vec4 of f32, the two parts and 0, 0.
 ";
 
-/// The use of the functions of a text to include.
+/// How to use the functions of the shader text.
 const USE: &str = "
 USE
   Call gaussians_view once for a point and view, then one function for each light. Isotropic surfaces have
-  alpha_x = alpha_y. There are no bindings. Diffuse light is not included: it is Lambert's form factor of the light.
+  alpha_x = alpha_y. There are no bindings. Diffuse light is not included: use Lambert's form factor of the light.
 ";
 
 /// The spherical Gaussian of the check.
@@ -86,12 +86,12 @@ pub(super) fn bindings(language: Language) -> &'static str {
     }
 }
 
-/// The comment of the program, in lines that begin with `//`.
+/// The comment of the program, in lines that start with `//`.
 fn gaussians_header(language: Language) -> String {
     commented(&format!("{}{EXAMPLE}{}\n\n{}", about(), bindings(language), check()))
 }
 
-/// The comment of the text to include.
+/// The comment of the shader text.
 fn gaussians_include_header() -> String {
     commented(&format!("{}{USE}\n{}", about(), check()))
 }

@@ -1,4 +1,4 @@
-//! The comment at the top of the shader that lights by a table of Gaussians.
+//! The comment at the top of the shader for light by a table of Gaussians.
 
 use super::{
     Bound, Language,
@@ -12,7 +12,7 @@ use super::{Lights, Namespace, Reading, model_shader::ModelShader};
 use ltcforge_fit::Layout;
 use ltcforge_light::Gaussian;
 
-/// The light of a table of Gaussians.
+/// The shader for light by a table of Gaussians.
 pub(super) const SHADER: ModelShader = ModelShader {
     prefix: "gaussians",
     functions: |_| &["ltc_math", "gaussians_light", "gaussians_table"],
@@ -22,7 +22,7 @@ pub(super) const SHADER: ModelShader = ModelShader {
     include_comment: gaussians_table_include_header,
 };
 
-/// The revision, raised when the values of the check change.
+/// The revision. It is raised when the values of the check change.
 const REVISION: u32 = 1;
 
 /// The first part of the comment: description and functions.
@@ -47,24 +47,24 @@ EXAMPLE
   Result: a vec4 of f32, the two parts and 0, 0.
 ";
 
-/// The use of the functions of a text to include.
+/// How to use the functions of the shader text.
 const USE: &str = "
 USE
   Call gaussians_lookup once for a point and view, then one function for each light. Isotropic surfaces have
-  alpha_x = alpha_y. Diffuse light is not included: it is Lambert's form factor of the light.
+  alpha_x = alpha_y. Diffuse light is not included: use Lambert's form factor of the light.
 ";
 
 fn about(layout: Layout) -> String {
     head(LICENCE, REVISION) + &ABOUT.replace("{layout}", layout.name()).replace("{lights}", LIGHTS)
 }
 
-/// The comment of the program, in lines that begin with `//`.
+/// The comment of the program, in lines that start with `//`.
 fn gaussians_table_header(language: Language, layout: Layout) -> String {
     let (table, bindings) = (bound_table(Bound::Volumes, layout), bindings(language));
     commented(&format!("{}\n{table}  {bindings}\n\n{EXAMPLE}\n{}", about(layout), check(layout)))
 }
 
-/// The comment of the text to include.
+/// The comment of the shader text.
 fn gaussians_table_include_header(
     language: Language,
     layout: Layout,

@@ -1,6 +1,6 @@
-//! The text that reads a table whose recipe lists its nodes. The code contains the nodes and searches them.
+//! The shader text for a table whose recipe lists its nodes. The code contains the nodes and searches them.
 //!
-//! Every other text computes the place: its nodes are evenly spaced in a coordinate of the layout.
+//! All other texts compute the position, because their nodes are evenly spaced in a coordinate of the layout.
 
 use std::fmt::Write as _;
 
@@ -8,26 +8,26 @@ use super::{Lights, LitBy, Namespace, Reading, commented, sources};
 use crate::{Language, header};
 use ltcforge_fit::{Layout, PerAxis, Table};
 
-/// The axes whose nodes are searched, for a table of LTCs.
+/// The axes on which the shader searches for nodes, for a table of LTCs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GivenAxes {
     layout: Layout,
-    /// The nodes of each axis that is not evenly spaced; empty for the others.
+    /// The nodes of each unevenly spaced axis. Empty for the other axes.
     nodes: PerAxis<Vec<f64>>,
 }
 
-/// The expression for the value of each axis in the text.
+/// The shader expression for the value on each axis.
 const VALUES: [&str; 4] = ["alpha", "ratio", "angles.x", "angles.y"];
 
 impl GivenAxes {
-    /// The searched axes of a table; `None` if all nodes are evenly spaced as in its layout.
+    /// The axes to search for a table. `None` if all nodes are evenly spaced, as in the layout.
     #[must_use]
     pub fn of(table: &Table) -> Option<Self> {
         let (layout, axes) = (table.layout(), table.axes());
         if layout.is_even(axes) {
             return None;
         }
-        // Check each axis with a single node on the others.
+        // Checks each axis on its own, with a single node on the other axes.
         let alone = |axis: usize| {
             let of = |other: usize, nodes: &Vec<f64>| if other == axis { nodes.clone() } else { nodes[..1].to_vec() };
             let PerAxis { alpha, ratio, theta, phi } = axes;
@@ -45,7 +45,7 @@ impl GivenAxes {
         self.layout
     }
 
-    /// A text of functions for the layout, with the search of these nodes added.
+    /// A text of functions for the layout, with a search of these nodes.
     #[must_use]
     pub fn searched(&self, functions: &str) -> String {
         let place = self.layout.shader().place;
@@ -53,7 +53,7 @@ impl GivenAxes {
         format!("{}\n{}", functions.replacen(&call, "return ltc_place_given(alpha, ratio, wo);", 1), self.part(place))
     }
 
-    /// The nodes, the search, and the function that returns the place.
+    /// The nodes, the search, and the function that returns the position.
     fn part(&self, place: &str) -> String {
         let mut out = String::new();
         // Writing to a String cannot fail.
@@ -93,13 +93,13 @@ impl GivenAxes {
         writeln!(out, "    return place;\n}}")
     }
 
-    /// The functions to include in other renderers.
+    /// The functions for other renderers.
     #[must_use]
     pub fn functions(&self, lit_by: LitBy, reading: Reading, lights: Lights) -> String {
         self.searched(&sources::functions(lit_by, reading, lights))
     }
 
-    /// The comment of a text to include; `about` are lines that describe the table.
+    /// The comment of a shader text. The lines `about` describe the table.
     #[must_use]
     pub fn comment(
         &self,

@@ -1,4 +1,4 @@
-//! Values to check a port against, from a small table that a comment can describe.
+//! Values to check a port against. They come from a small table that a comment can describe.
 
 use glam::DVec3;
 
@@ -13,14 +13,14 @@ use ltcforge_light::{
     gaussians::{self, SphericalGaussian},
 };
 
-/// A surface and a view direction to look up. The cases cover every fold, and a place outside the table.
+/// A surface and a view direction to look up. The cases cover every fold, and a position outside the table.
 #[derive(Debug, Clone, Copy)]
 pub struct Case {
     /// Roughness along x.
     pub alpha_x: f64,
     /// Roughness along y.
     pub alpha_y: f64,
-    /// The view direction. Its decimals have unit length exactly.
+    /// The view direction. With these decimals, it has exactly unit length.
     pub wo: [f64; 3],
 }
 
@@ -31,7 +31,7 @@ pub const CASES: [Case; 3] = [
     Case { alpha_x: 0.05, alpha_y: 0.02, wo: [0.576, -0.768, 0.28] },
 ];
 
-/// The corners of a rectangle through the horizon, relative to the shaded point. It emits towards this point.
+/// The corners of a rectangle that the horizon cuts, relative to the shaded point. It emits towards the shaded point.
 pub const CORNERS: [[f64; 3]; 4] = [[-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.5, -0.5], [-1.0, 1.5, -0.5]];
 
 /// The values that a port must reproduce.
@@ -59,18 +59,18 @@ pub struct SecondGolden {
 /// F0 and F90 of the dielectric.
 pub const BLENDED: [f64; 2] = [0.04, 1.0];
 
-/// The error of a port in 32 bits, which the header states for each value.
+/// The largest error of a correct 32-bit port, as stated in the headers.
 pub const TOLERANCE: f64 = 2e-5;
 
-/// The step between the numbers of neighbouring entries: 2^-10, so that all numbers are exact in half floats.
+/// The step between the numbers of neighbouring entries. With 2^-10, all numbers are exact in half floats.
 const STEP: f64 = 1.0 / 1024.0;
 
-/// The elements of a row-major matrix that are zero for a lobe symmetric in the plane of incidence.
+/// The elements of a row-major matrix that are zero for a lobe that is symmetric about the plane of incidence.
 const ACROSS: [usize; 4] = [1, 3, 5, 7];
 
-/// The table: number `k` of entry `e`, both from 0 in storage order, is `I[k] + e (k + 1) / 1024`. `I` is the identity,
-/// an amplitude of 1 and a Fresnel term of 0. Layouts of isotropic tables have one ratio and one phi, and zeros across
-/// the plane of incidence. Layout `materials` has three materials.
+/// The table. Number `k` of entry `e`, both from 0 in storage order, is `I[k] + e (k + 1) / 1024`. `I` is the identity,
+/// an amplitude of 1 and a Fresnel term of 0. Layouts for isotropic surfaces have one ratio and one phi, and zeros for
+/// the elements across the plane of incidence. Layout `materials` has three materials.
 #[must_use]
 pub fn table(layout: Layout) -> Table {
     const START: [f64; 11] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0];
@@ -84,7 +84,7 @@ pub fn table(layout: Layout) -> Table {
     let [ratio, phi] = if is_isotropic { [1, 1] } else { [2, 3] };
     let mut axes = layout.nodes(&range, &PerAxis { alpha: 3, ratio, theta: 3, phi });
     if layout.is_of_materials() {
-        // These numbers are exact in 16 bits, too.
+        // These numbers are also exact in 16 bits.
         (axes.alpha, axes.ratio) = (vec![0.5, 0.125, 0.75], vec![0.5, 0.375, 0.25]);
     }
     let PerAxis { alpha, ratio, theta, phi } = layout.lengths(&axes);
@@ -107,7 +107,7 @@ pub fn table(layout: Layout) -> Table {
     }
 }
 
-/// The table of [`table`] with second lobes: number `k` of entry `e` is `I[k] + e (9 - k) / 1024`, with the same zeros.
+/// [`table`] with second lobes: number `k` of entry `e` is `I[k] + e (9 - k) / 1024`, with the same zeros.
 #[must_use]
 pub fn table_of_two_lobes(layout: Layout) -> Table {
     let first = table(layout);
@@ -123,7 +123,7 @@ pub fn table_of_two_lobes(layout: Layout) -> Table {
 }
 
 impl Case {
-    /// The surface and the view, as printed in comments.
+    /// The surface and the view direction, as printed in comments.
     pub(super) fn named(&self) -> String {
         format!("alpha_x {} alpha_y {} wo ({})", self.alpha_x, self.alpha_y, listed(&self.wo))
     }
@@ -158,15 +158,15 @@ impl Case {
         SecondGolden { matrix, blended }
     }
 
-    /// Reflected light of the rectangle by [`table`], read as a table of Gaussians, in f64: for a Fresnel factor of
-    /// one, and weighed by Schlick's fifth power.
+    /// The reflected light of the rectangle in f64, with [`table`] read as a table of Gaussians: for a Fresnel factor
+    /// of one, and weighted by Schlick's fifth power.
     #[must_use]
     pub fn lit_by_gaussian(&self, layout: Layout, gaussian: Gaussian) -> [f64; 2] {
         let (shape, parts) = self.gaussian(layout, gaussian);
         gaussians::reflected_by(&shape, parts, &CORNERS, Sides::One)
     }
 
-    /// The Gaussian of [`table`], read as a table of Gaussians, and its two parts.
+    /// The Gaussian of [`table`], if it is read as a table of Gaussians, and its two parts.
     #[must_use]
     pub fn gaussian(&self, layout: Layout, gaussian: Gaussian) -> (SphericalGaussian<f64>, [f64; 2]) {
         let found = table(layout).lookup(&self.configuration());

@@ -1,23 +1,24 @@
-//! Costs of the texts on a GPU: registers and instructions that a compiler counts.
+//! GPU costs of the shader texts: registers and instructions, as counted by a compiler.
 
-/// A compiler's counts for one rectangle by a text to include, with the tangent frame. The sampler interpolates tables.
-/// Counts are not timings, and code after an early return counts less.
+/// A compiler's counts for one rectangle with a shader text, including the tangent frame. The sampler interpolates
+/// tables. The counts are not timings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub struct GpuCost {
-    /// Vector registers. More registers mean fewer pixels at a time.
+    /// Vector registers. With more registers, fewer pixels run at a time.
     pub registers: u32,
     /// Instructions.
     pub instructions: u32,
-    /// Cycles that a SIMD needs for one group of threads, without stalls.
+    /// Cycles that a SIMD needs for one group of threads, without stalls. Code after an early return counts less.
     pub inverse_throughput: u32,
 }
 
-/// The driver's name for the compiler: Mesa's for RDNA 2. It needs no such GPU.
+/// The compiler, as named by the driver: Mesa's for RDNA 2. It runs without such a GPU.
 pub const COMPILER: &str = "Null hardware (RADV NAVI21), Mesa 22.3.6";
 
-/// The costs of all texts: registers, instructions and inverse throughput. Names are those of
-/// [`LitBy::name`](super::LitBy::name), plus `cheap horizon` for `LTC_CHEAP_HORIZON`, the use of two lobes, `layers`
-/// over a metal, and the methods of engines. `cargo run --release -p ltcforge-studies -- gpu-costs` measures them.
+/// The costs of all texts: registers, instructions and inverse throughput. The names are those of
+/// [`LitBy::name`](super::LitBy::name), with a suffix for the cheap horizon (`LTC_CHEAP_HORIZON`), for two lobes, or
+/// for `layers` over a metal. The list also has the methods of engines. `cargo run --release -p ltcforge-studies --
+/// gpu-costs` measures them.
 const COSTS: &[(&str, [u32; 3])] = &[
     ("ltc reflected", [48, 692, 1261]),
     ("ltc kt2022", [40, 577, 1033]),
@@ -84,14 +85,14 @@ const COSTS: &[(&str, [u32; 3])] = &[
 ];
 
 impl GpuCost {
-    /// The cost of the text with this name; `None` for an unknown name.
+    /// The cost of the text with this name. `None` for an unknown name.
     #[must_use]
     pub fn of(name: &str) -> Option<Self> {
         let (_, [registers, instructions, inverse_throughput]) = *COSTS.iter().find(|(known, _)| *known == name)?;
         Some(Self { registers, instructions, inverse_throughput })
     }
 
-    /// The names of all texts and of the engines' methods.
+    /// The names of all texts and methods in the table.
     pub fn names() -> impl Iterator<Item = &'static str> {
         COSTS.iter().map(|(name, _)| *name)
     }
@@ -101,9 +102,9 @@ impl GpuCost {
 mod tests {
     use super::*;
 
-    /// The cost of four readings of a picture, compared with a rectangle without a picture, as in docs/textured.md.
+    /// The extra cost of four texture reads, compared with a rectangle without a picture, as in docs/textured.md.
     #[test]
-    fn pictures_cost_little_beside_their_light() {
+    fn pictures_cost_little_compared_with_their_light() {
         for (text, registers) in
             [("normals balanced", 8), ("normals fast", 16), ("normals fine", 24), ("ltc reflected", 16)]
         {

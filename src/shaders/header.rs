@@ -1,4 +1,4 @@
-//! The comment at the top of a translation.
+//! The comment at the top of a translated shader.
 
 use super::bindings::{bindings, included_bindings};
 use super::model_shader::{ModelShader, caller};
@@ -12,7 +12,7 @@ use super::{
 };
 use ltcforge_fit::{Layout, PerAxis, ShaderAxes};
 
-/// The light of a table of LTCs.
+/// The shader for light by a table of LTCs.
 pub(super) const SHADER: ModelShader = ModelShader {
     prefix: "ltc",
     functions: light_files,
@@ -22,7 +22,7 @@ pub(super) const SHADER: ModelShader = ModelShader {
     include_comment: table_include_header,
 };
 
-/// The files that integrate an LTC over lights.
+/// The files with the functions that integrate an LTC over lights.
 pub(super) fn light_files(lights: Lights) -> &'static [&'static str] {
     match lights {
         Lights::All => &["ltc_math", "ltc_light", "ltc_shapes"],
@@ -30,7 +30,7 @@ pub(super) fn light_files(lights: Lights) -> &'static [&'static str] {
     }
 }
 
-/// The fragment shader that calls every function of a table's light.
+/// The fragment shader that calls every function for a table of LTCs.
 #[must_use]
 pub fn table_caller(two_lobes: bool, lights: Lights) -> String {
     let (shapes, parts) = match lights {
@@ -53,7 +53,7 @@ const POLYGONS_CALLED: &str =
     "    let polygon = ltc_rectangle(inverse, corners, true) + ltc_polygon(inverse, vertices, 4u, true);
 ";
 
-/// The revision, raised when the values of the check change.
+/// The revision. It is raised when the values of the check change.
 const REVISION: u32 = 1;
 
 /// The first part of the comment: description and functions.
@@ -69,19 +69,19 @@ FUNCTIONS
 
 /// The functions for tables of materials.
 const MATERIALS: &str = "\x20     It searches for the material nearest in sqrt(alpha) and ratio.
-  ltc_lookup_material(material, wo)  the same for a material by its number in the recipe's list, without a search. The
+  ltc_lookup_material(material, wo)  the same for a material's number in the recipe's list, without a search. The
       larger roughness is along x.
 ";
 
 /// The functions for tables with two lobes.
 const TWO_LOBES: &str = "  ltc_lookup_both(alpha_x, alpha_y, wo)  first, as from ltc_lookup; second, the matrix
-      of the part weighed by Schlick's fifth power. Needs a table with fresnel two_lobes or blended_lobes. Light of
+      of the part weighted by Schlick's fifth power. Needs a table with fresnel two_lobes or blended_lobes. Light of
       radiance L arrives as L (f0 amplitude covered(first.m) + (f90 - f0) fresnel covered(second)).
   ltc_blend(lobes, f0, f90)         a single matrix for a material, to use as M below. It needs one integral instead of
       two. Tables with blended_lobes are fitted for it.
 ";
 
-/// The functions of lights for tables with and without textures.
+/// The functions for lights, for tables with and without textures.
 #[must_use]
 pub fn functions_of(lights: Lights) -> &'static str {
     match lights {
@@ -94,7 +94,7 @@ const POLYGONS: &str = "  ltc_inverse(M)                    the inverse up to a 
   ltc_rectangle(inverse, corners, two_sided), ltc_polygon(inverse, vertices, count, two_sided)
       the part of the lobe that a light covers, 0 to 1. Positions are relative to the shaded point, in the tangent frame.
       Outlines are convex and run clockwise as seen from the side that emits. A rectangle may be a parallelogram; its
-      last corner is not read. A polygon of four vertices costs more. --lights polygons has left out disks, spheres,
+      last corner is not read. A polygon of four vertices costs more. --lights polygons omits disks, spheres,
       tubes and lines.
   Light of radiance L arrives as L (f0 (amplitude - fresnel) + f90 fresnel) covered.
 ";
@@ -115,11 +115,11 @@ const LIGHTS: &str = "  ltc_inverse(M)                    the inverse up to a fa
 /// The sentence about a program's entry point.
 const CALLED: &str = "  ltc_example calls them. Replace it with your own code; delete all bindings except group 0.\n";
 
-/// The use of the functions of a text to include.
+/// How to use the functions of the shader text.
 const USE: &str = "
 USE
   Call ltc_lookup and ltc_inverse once for a point and view, then one function for each light. Isotropic surfaces have
-  alpha_x = alpha_y. Diffuse light is the albedo times the part covered with ltc_inverse of the unit matrix.
+  alpha_x = alpha_y. Diffuse light is the albedo times the part covered for ltc_inverse of the unit matrix.
   A second table in the same shader needs its own names and bindings: ltcforge shader --prefix --first-binding.
 ";
 
@@ -135,17 +135,17 @@ BINDINGS OF A TABLE
             one over the step. Then 1 / alpha_nodes (half of it for two lobes), 1 / (ratio_nodes theta_nodes),
             theta_nodes, 1 / phi_nodes; first and last alpha, first and last ratio; cosines of the last and first theta,
             0, 0; cosine and sine of the first phi, and of the last phi
-  {textures}  Texels are in the order of the file's entries. Put their numbers together from the file's tensors matrix,
+  {textures}  Texels are in the order of the file's entries. Assemble them from the file's tensors matrix,
   amplitude and fresnel. Alpha is the larger roughness, ratio the smaller divided by the larger, theta and phi the
   angles of the view direction in radians.
 ";
 
-/// The axis of materials.
+/// The description of layout `materials`, which has materials on the alpha axis.
 const PAIRS: &str = "\x20 In layout materials, the nodes of alpha are the materials; each has one ratio. The number
   after fresnel is the material's alpha at the first node of theta, its ratio at the second node, and 0 at the others.
 ";
 
-/// A table in three textures.
+/// The description of a table in three textures.
 const VOLUMES: &str = "\
   matrix_a  3D texture, RGBA, 32 or 16 bit float: m00 m01 m02 m10 of each entry; m01 is row 0, column 1
   matrix_b  the same format: m11 m12 m20 m21
@@ -154,7 +154,7 @@ const VOLUMES: &str = "\
   of the file's tensors. Second lobes (tensor matrix_2) follow all first lobes.
 ";
 
-/// A table in one texture.
+/// The description of a table in one texture.
 const ARRAY: &str = "\
   layers    2D array, RGBA, 32 or 16 bit float, phi wide, ratio * theta high, with three layers for each node of alpha.
             Entry [a, r, t, p] of the file's tensors is at (p, r * theta_nodes + t). Layer a has m00 m01 m02 m10, layer
@@ -191,7 +191,7 @@ pub(super) fn bound_table(bound: Bound, layout: Layout) -> String {
     text.replace("{textures}", textures) + pairs
 }
 
-/// The comment of the shader for `layout`, in lines that begin with `//`.
+/// The comment of the shader for `layout`, in lines that start with `//`.
 fn header(language: Language, layout: Layout) -> String {
     let table = bound_table(Bound::Volumes, layout);
     let text = format!(
@@ -203,7 +203,7 @@ fn header(language: Language, layout: Layout) -> String {
     commented(&text)
 }
 
-/// The comment of a text to include that reads tables of `layout`.
+/// The comment of a shader text that reads tables of `layout`.
 fn table_include_header(
     language: Language,
     layout: Layout,
@@ -215,7 +215,7 @@ fn table_include_header(
     include_comment_of(language, layout, reading, lights, namespace, &check)
 }
 
-/// The comment of a text to include, in lines that begin with `//`, followed by the lines `last`.
+/// The comment of a shader text, in lines that start with `//`, followed by the lines `last`.
 pub(super) fn include_comment_of(
     language: Language,
     layout: Layout,
@@ -230,7 +230,7 @@ pub(super) fn include_comment_of(
     commented(&format!("{about}{USE}\n{table}  {bindings}\n\n")) + last
 }
 
-/// The text in lines that begin with `//`.
+/// The text in lines that start with `//`.
 #[must_use]
 pub fn commented(text: &str) -> String {
     text.lines().map(|line| format!("// {line}").trim_end().to_owned() + "\n").collect()
@@ -267,7 +267,7 @@ fn by_rows(matrix: &[f64; 9]) -> String {
     rows.collect::<Vec<_>>().join(" | ")
 }
 
-/// The description of the table that ports are checked with.
+/// The description of the table that the check uses.
 pub(super) fn checked_table(layout: Layout) -> String {
     let axes = table(layout).axes;
     let PerAxis { ratio: ratios, theta: thetas, phi: phis, .. } = layout.lengths(&axes);
@@ -301,7 +301,7 @@ fn shown(case: &Case, golden: &Golden) -> String {
     )
 }
 
-/// The number with six decimals, without a sign on zero.
+/// The number with six decimals. Zero has no sign.
 pub(super) fn fixed(x: f64) -> String {
     let text = format!("{x:.6}");
     if text == "-0.000000" { "0.000000".to_owned() } else { text }

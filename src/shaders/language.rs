@@ -1,17 +1,17 @@
-//! The languages that a shader is written in.
+//! The shading languages.
 
 use ltcforge_fit::named_list;
 
 named_list! {
     /// A shading language.
     pub enum Language {
-        /// WGSL, with both ways to interpolate entries.
+        /// WGSL, in which a constant selects how entries are interpolated.
         Wgsl = "wgsl",
         /// GLSL 4.50 for OpenGL.
         Glsl = "glsl",
-        /// GLSL 3.30 for OpenGL 3.3, to include. It has no compute shaders.
+        /// GLSL 3.30 for OpenGL 3.3, only as text to include, because it has no compute shaders.
         Glsl330 = "glsl-330",
-        /// GLSL ES: 3.10 for OpenGL ES as a program, 3.00 for WebGL 2 to include.
+        /// GLSL ES: 3.10 for programs in OpenGL ES, and 3.00 for text to include in WebGL 2.
         GlslEs = "glsl-es",
         /// HLSL for shader model 5.1.
         Hlsl = "hlsl",
@@ -23,13 +23,13 @@ named_list! {
 }
 
 impl Language {
-    /// Whether the language has programs: the example is a compute shader.
+    /// Whether shaders in this language come as programs: the example is a compute shader.
     #[must_use]
     pub fn has_programs(self) -> bool {
         self != Self::Glsl330
     }
 
-    /// Whether the language has text to include; SPIR-V does not.
+    /// Whether shaders in this language come as text to include. SPIR-V does not.
     #[must_use]
     pub fn has_includes(self) -> bool {
         self != Self::Spirv

@@ -1,4 +1,4 @@
-//! The text that combines layers, for any light model.
+//! The shader text that combines layers, for any light model.
 
 use super::{header::commented, sources::joined, stamp::head};
 use ltcforge_fit::{
@@ -6,10 +6,10 @@ use ltcforge_fit::{
     math::direction,
 };
 
-/// The licence. The functions of fuzz come from MaterialX, under Apache-2.0 only.
+/// The licence. The functions for fuzz come from MaterialX, which is only under Apache-2.0.
 const LICENCE: &str = "(MIT OR Apache-2.0) AND Apache-2.0";
 
-/// The revision, raised when the values of the check change.
+/// The revision. It is raised when the values of the check change.
 const REVISION: u32 = 1;
 
 /// The first part of the comment: description, functions and use.
@@ -35,14 +35,14 @@ USE
 
 ";
 
-/// The cases to check a port with: roughness, polar angle and azimuth of the view.
+/// The cases for checking a port: roughness, and polar angle and azimuth of the view.
 pub const FUZZ_CASES: [[f64; 3]; 4] = [[0.2, 1.3, 0.4], [0.5, 0.6, -2.0], [0.8, 0.0, 0.0], [1.0, 1.5, 3.0]];
 
 /// The result of `layers_fuzz` for a case: the columns of the inverse, and the albedo.
 #[must_use]
 pub fn fuzz_values([roughness, theta, phi]: [f64; 3]) -> [f64; 10] {
     let (fuzz, wo) = (Fuzz::new(roughness), direction(theta, phi));
-    // The last row of the matrix is that of the unit matrix, and so is the last row of the inverse.
+    // The last row of the matrix is that of the unit matrix, so the last row of the inverse is the same.
     let inverse = fuzz.ltc(wo).unwrap_or_default().inverse().to_cols_array();
     std::array::from_fn(|i| inverse.get(i).copied().unwrap_or_else(|| fuzz.albedo(wo.z)))
 }
@@ -60,7 +60,7 @@ pub fn layers_comment() -> String {
     commented(&format!("{}{ABOUT}CHECK\n  Columns of the inverse, and the albedo:\n{check}", head(LICENCE, REVISION)))
 }
 
-/// The functions, and a fragment shader named `ltc_included` that calls all of them.
+/// The functions, and a fragment shader named `ltc_included` that calls each of them.
 #[must_use]
 pub fn layers_source() -> String {
     let caller = "

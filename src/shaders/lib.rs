@@ -1,10 +1,10 @@
-//! Shaders in WGSL for other renderers, put together for one model of light and one layout of tables.
+//! Shaders in WGSL for other renderers, assembled for a light model and a table layout.
 //!
-//! [`SHADERS`] are the files of `shaders/`. [`wgsl()`] joins the files for one layout, or for a model without a table,
-//! adds an example that calls them, and puts a comment at the top. `ltcforge-translate` has the other languages, and
-//! texts to include.
+//! [`SHADERS`] are the files in `shaders/`. [`wgsl()`] joins the files for one layout, or for a model without a table.
+//! It adds an example that calls the functions, and a comment at the top. `ltcforge-translate` has the other languages,
+//! and texts to include.
 //!
-//! Invariants: `shaders` knows neither a GPU nor a picture, and translates nothing; equal arguments give equal bytes on
+//! Invariants: `shaders` knows neither GPUs nor pictures, and translates nothing; equal arguments give equal bytes on
 //! every machine.
 
 mod added;

@@ -1,11 +1,11 @@
-//! The kinds of shaders: a light model, and the layout of its tables.
+//! The kinds of shaders: a light model, and a layout for its tables.
 
 use super::{AdditionError, Additions};
 use ltcforge_fit::{Layout, named_list};
 use ltcforge_light::{LightModel, NormalsRule};
 
 /// The kind of a shader for other renderers: a model, and a layout if the model reads tables. Models `sg` and `asg`
-/// have the same text; its functions take the model as an argument.
+/// share a text, whose functions take the model as an argument.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LitBy {
     model: LightModel,
@@ -23,7 +23,7 @@ pub enum LitByError {
     /// The model reads no table.
     #[error("model {0} reads no table: leave out --layout")]
     NoTable(LightModel),
-    /// The model has no rules, or no shader of this rule.
+    /// The model has no rules, or no shader for this rule.
     #[error("model {model} has no shader of rule {rule}{}", rules_of(*model))]
     NoRule {
         /// The model.
@@ -44,7 +44,7 @@ pub enum LitByError {
     },
 }
 
-/// The rules of a model's shaders, after a colon.
+/// The rules of a model's shaders, with a colon before them.
 fn rules_of(model: LightModel) -> String {
     if model.rule_choices().is_empty() {
         return String::new();
@@ -52,14 +52,14 @@ fn rules_of(model: LightModel) -> String {
     format!(": its rules are {}", NormalsRule::SHADED.map(NormalsRule::name).join(", "))
 }
 
-/// The layouts of a model's tables.
+/// The layouts that store a model's lobes.
 fn layouts_of(model: LightModel) -> Vec<&'static str> {
     let stores = |layout: &&Layout| model.lobe().is_some_and(|lobe| layout.stores(lobe));
     Layout::ALL.iter().filter(stores).map(|layout| layout.name()).collect()
 }
 
 impl LitBy {
-    /// The shader of a model and a layout; without a layout, the shader of the model's formula.
+    /// The shader for a model and a layout. Without a layout, it is the shader for the model's formula.
     ///
     /// # Errors
     /// [`LitByError`] if the model has no such shader.
@@ -74,7 +74,7 @@ impl LitBy {
         }
     }
 
-    /// The same shader with a rule; `None` keeps the model's default rule.
+    /// The shader with another rule. `None` keeps the default rule.
     ///
     /// # Errors
     /// [`LitByError::NoRule`].
@@ -88,7 +88,7 @@ impl LitBy {
         }
     }
 
-    /// The same shader with additions to its text to include.
+    /// The shader with additions to its text.
     ///
     /// # Errors
     /// [`AdditionError`].
@@ -109,19 +109,19 @@ impl LitBy {
         format!("{}{kind}{cut}{compensated}{textured}", self.model)
     }
 
-    /// The rule; `None` for a model without rules.
+    /// The rule. `None` for a model without rules.
     #[must_use]
     pub fn rule(self) -> Option<NormalsRule> {
         self.rule
     }
 
-    /// The additions to its text to include.
+    /// The additions to the shader text.
     #[must_use]
     pub fn additions(self) -> Additions {
         self.additions
     }
 
-    /// Whether its text has a lookup by the number of a material: LTCs in layout `materials`.
+    /// Whether the shader text can look up a material by its number: for LTCs in layout `materials`.
     pub(super) fn reads_materials(self) -> bool {
         self.model == LightModel::Ltc && self.layout.is_some_and(Layout::is_of_materials)
     }
@@ -140,28 +140,28 @@ impl LitBy {
 }
 
 named_list! {
-    /// The shapes of lights that a text to include has functions for, with a table of LTCs.
+    /// The light shapes that the text for a table of LTCs supports.
     pub enum Lights {
         /// Polygons, disks, spheres, tubes and lines.
         All = "all",
-        /// Rectangles and polygons only: a text two fifths shorter.
+        /// Only rectangles and polygons. The text is two fifths shorter.
         Polygons = "polygons",
     }
 }
 
-/// The way in which a text to include reads a table.
+/// How a shader text reads a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Reading {
-    /// The interpolation of entries.
+    /// How it interpolates entries.
     pub filter: Filter,
-    /// The textures of the table.
+    /// The textures that store the table.
     pub bound: Bound,
-    /// Whether the text reads the second lobe of a table of LTCs with two lobes.
+    /// Whether it reads the second lobe of a table of LTCs with two lobes.
     pub two_lobes: bool,
 }
 
 impl Reading {
-    /// All ways to read one lobe, and two ways to read two lobes.
+    /// All ways to read one lobe, and two of the ways to read two lobes.
     pub const ALL: [Self; 6] = {
         use Bound::{Array, Volumes};
         use Filter::{Exact, Hardware};
@@ -176,24 +176,24 @@ impl Reading {
     };
 }
 
-/// The textures of a table.
+/// The textures that store a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Bound {
     /// Three 3D textures.
     #[default]
     Volumes,
-    /// One 2D array. It takes one sampler in languages that have a sampler for each texture.
+    /// One 2D array. It needs one sampler in languages that have a sampler per texture.
     Array,
 }
 
-/// The interpolation of a table's entries.
+/// How the entries of a table are interpolated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Filter {
-    /// The shader interpolates: 16 fetches a texture, weights of 32 bits, any texture format.
+    /// The shader interpolates: 16 fetches per texture, 32-bit weights, any texture format.
     #[default]
     Exact,
-    /// The sampler interpolates along phi and theta, and along alpha in volumes: 2 fetches a texture, 4 in an array.
-    /// Many GPUs have weights of 8 bits, which is visible on sharp lobes. Textures must be filterable.
+    /// The sampler interpolates along phi and theta, and along alpha in volumes: 2 fetches per texture, or 4 in an
+    /// array. Many GPUs have 8-bit weights, which are visible on sharp lobes. The textures must be filterable.
     Hardware,
 }
 

@@ -5,22 +5,21 @@ use ltcforge_fit::Layout;
 
 /// The shader of a light model.
 pub struct ModelShader {
-    /// The prefix of its names.
+    /// The prefix of the shader's names.
     pub(super) prefix: &'static str,
-    /// The files of its functions, without the files that all models share and the files that read tables.
+    /// The files of its functions. Files that all models share and files that read tables are not included.
     pub(super) functions: fn(Lights) -> &'static [&'static str],
-    /// The file of the example program, which is also the name of its entry point.
+    /// The file of the example program. It has the same name as the entry point.
     pub example: &'static str,
-    /// A fragment shader that calls every function, named `ltc_included`.
+    /// A fragment shader named `ltc_included` that calls every function.
     pub caller: fn(Reading, Lights) -> String,
-    /// The comment at the top of the program, in lines that begin with `//`. A model without a table ignores the
-    /// layout.
+    /// The comment at the top of the program, in lines that start with `//`. Models without tables ignore the layout.
     pub(super) program_comment: fn(Language, Layout) -> String,
-    /// The comment at the top of the text to include, in lines that begin with `//`.
+    /// The comment at the top of the shader text, in lines that start with `//`.
     pub(super) include_comment: fn(Language, Layout, Reading, Lights, &Namespace) -> String,
 }
 
-/// A fragment shader with the statements `lookup`, the vertices of a light, and the statements `calls`.
+/// A fragment shader: the statements `lookup`, the vertices of a light, and the statements `calls`.
 pub(super) fn caller(lookup: &str, calls: &str) -> String {
     format!(
         "

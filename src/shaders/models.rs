@@ -25,7 +25,7 @@ impl LitBy {
         (self.shader().program_comment)(language, self.layout().unwrap_or(Layout::ALL[0]))
     }
 
-    /// The comment at the top of the text to include.
+    /// The comment at the top of the shader text.
     #[must_use]
     pub fn include_comment(
         self,

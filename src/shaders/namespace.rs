@@ -1,21 +1,21 @@
-//! The prefix of names and the first binding of a text to include, so that one shader can include several texts.
+//! The name prefix and the first binding of a shader text. They let one shader include several texts.
 
 use std::str::FromStr;
 
 use super::{Language, LitBy};
 
-/// The names and bindings that a text to include uses in its host shader.
+/// The names and bindings of a shader text within the shader that includes it.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Namespace {
     /// The prefix of every name, instead of `ltc`, `normals` or `gaussians`.
     pub prefix: Option<Prefix>,
-    /// The number of the first binding; the others follow. Texts without numbered bindings ignore it.
+    /// The number of the first binding. The other bindings follow. Texts without numbered bindings ignore it.
     pub first_binding: u16,
-    /// The group of the bindings: a set in Vulkan, a space in HLSL. OpenGL has only group 0.
+    /// The group of the bindings. Vulkan calls it a set, and HLSL a space. OpenGL only has group 0.
     pub group: u16,
 }
 
-/// The prefix of names: `sheen` gives `sheen_lookup`, `SheenLobe` and `SHEEN_LEAST_ALPHA`.
+/// A prefix for names: `sheen` gives `sheen_lookup`, `SheenLobe` and `SHEEN_LEAST_ALPHA`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Prefix(String);
 
@@ -28,7 +28,7 @@ pub struct Prefix(String);
 pub struct BadPrefix(pub String);
 
 const LONGEST: usize = 32;
-/// Prefixes that languages reserve.
+/// Prefixes that shading languages reserve.
 const RESERVED: [&str; 2] = ["gl", "metal"];
 
 impl FromStr for Prefix {
@@ -43,18 +43,17 @@ impl FromStr for Prefix {
 }
 
 impl Namespace {
-    /// `text` with the prefix in all names: those of the light's own code, and those of the arithmetic that lights
-    /// share.
+    /// `text` with the prefix in all names, both in the light's own code and in the arithmetic that all lights share.
     #[must_use]
     pub fn named(&self, text: &str, lit_by: LitBy) -> String {
         let own = lit_by.shader().prefix;
         let prefix = self.prefix.as_ref().map_or(own, |Prefix(prefix)| prefix);
         identifiers(text, |name, rest| {
-            // Comments mention files of `shaders/`, whose names stay.
+            // Comments mention files of `shaders/`, and these names do not change.
             if rest.starts_with(".wgsl") {
                 return None;
             }
-            // The code that reads tables of LTCs reads tables of Gaussians too. A shader may include both.
+            // Tables of LTCs and of Gaussians share the code that reads them. A shader may include both.
             if lit_by.layout().is_some() && own != "ltc" {
                 if name.starts_with("Ltc") {
                     return Some(format!("{}{name}", capital(prefix)));
@@ -68,7 +67,8 @@ impl Namespace {
         })
     }
 
-    /// The code with bindings counted from the first, in the group. Only WGSL writes group 0.
+    /// The code with its bindings numbered from the first binding, in the group. Languages other than WGSL omit group
+    /// 0.
     #[must_use]
     pub fn bound(&self, code: &str, language: Language) -> String {
         let group = self.group;
@@ -98,7 +98,7 @@ impl Namespace {
         out
     }
 
-    /// A sentence with the bindings `{0}`, `{1}` and so on, and the group `{group}`.
+    /// Fills in the bindings `{0}`, `{1}` and so on, and the group `{group}`, in a sentence.
     pub(super) fn numbered(&self, sentence: &str) -> String {
         (0..6).fold(sentence.replace("{group}", &self.group.to_string()), |text, n: u32| {
             text.replace(&format!("{{{n}}}"), &(n + u32::from(self.first_binding)).to_string())
@@ -106,17 +106,17 @@ impl Namespace {
     }
 }
 
-/// The text with a capital first letter, as in names of types. Domain: it begins with an ASCII letter.
+/// The text with a capital first letter, as in type names. Domain: it starts with an ASCII letter.
 fn capital(text: &str) -> String {
     text[..1].to_uppercase() + &text[1..]
 }
 
-/// The text with names that begin with `to` instead of `from`.
+/// The text with prefix `to` instead of `from` in all names.
 pub(super) fn prefixed(text: &str, from: &str, to: &str) -> String {
     identifiers(text, |name, _| with_prefix(name, from, to))
 }
 
-/// The name with the prefix `to` instead of `from`, for functions, types and constants; `None` for other names.
+/// The name of a function, type or constant with prefix `to` instead of `from`. `None` for other names.
 fn with_prefix(name: &str, from: &str, to: &str) -> Option<String> {
     if let Some(rest) = name.strip_prefix(from).filter(|rest| rest.starts_with('_')) {
         return Some(format!("{to}{rest}"));
@@ -128,7 +128,7 @@ fn with_prefix(name: &str, from: &str, to: &str) -> Option<String> {
     rest.starts_with(|c: char| c.is_ascii_uppercase()).then(|| format!("{}{rest}", capital(to)))
 }
 
-/// The text with identifiers replaced. `of` gets each identifier and the text after it, and returns the new name.
+/// The text with identifiers replaced. `of` takes each identifier and the text after it, and returns the new name.
 fn identifiers(text: &str, of: impl Fn(&str, &str) -> Option<String>) -> String {
     let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let (mut out, mut rest) = (String::with_capacity(text.len()), text);
@@ -150,7 +150,7 @@ mod tests {
     use ltcforge_light::LightModel;
 
     #[test]
-    fn whole_names_get_a_prefix_and_their_parts_do_not() {
+    fn whole_names_get_a_prefix_but_parts_of_names_do_not() {
         let namespace = |prefix: &str| Namespace { prefix: prefix.parse().ok(), ..Namespace::default() };
         let ltc = |prefix, text: &str| namespace(prefix).named(text, Layout::Reflected.into());
         assert_eq!(
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn bindings_are_of_the_group() {
+    fn bindings_are_in_the_group() {
         let namespace = Namespace { group: 2, ..Namespace::default() };
         assert_eq!(namespace.bound("register(t2); register(x)", Language::Hlsl), "register(t2, space2); register(x)");
         assert_eq!(
@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn a_prefix_that_languages_do_not_take_is_refused() {
+    fn reserved_prefixes_are_rejected() {
         for wrong in ["", "1a", "A", "a_b", "ä", "gl", "metal", &"a".repeat(33)] {
             let error = wrong.parse::<Prefix>().expect_err(wrong).to_string();
             assert!(error.contains(&format!("«{wrong}»")) && error.contains("lower-case"), "{error}");

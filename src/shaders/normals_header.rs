@@ -1,4 +1,4 @@
-//! The comment at the top of the shader without a table.
+//! The comment at the top of the shader for model `normals`.
 
 use super::{
     Language,
@@ -11,7 +11,7 @@ use super::{
 use ltcforge_fit::Sides;
 use ltcforge_light::normals::{NormalsRule, reflected};
 
-/// The files of a rule's text.
+/// The files of the shader text for a rule.
 pub(super) fn normals_files(rule: NormalsRule) -> &'static [&'static str] {
     match rule {
         NormalsRule::Fast => &["normals_view", "normals_arcs_rough", "normals_edge", "normals_fast", "normals_disk"],
@@ -22,7 +22,7 @@ pub(super) fn normals_files(rule: NormalsRule) -> &'static [&'static str] {
     }
 }
 
-/// The light in the space of normals, by a rule.
+/// The shader for light in the space of normals, by a rule.
 pub(super) fn shader(rule: NormalsRule) -> &'static ModelShader {
     match rule {
         NormalsRule::Fast => &FAST,
@@ -31,7 +31,7 @@ pub(super) fn shader(rule: NormalsRule) -> &'static ModelShader {
     }
 }
 
-/// The shader of a rule. Its comments differ by the rule's name and the values of the check.
+/// Defines the shader for a rule. The comments of rules differ in the rule's name and in the values of the check.
 macro_rules! by_rule {
     ($rule:expr) => {
         ModelShader {
@@ -52,7 +52,7 @@ const CALLS: &str = "    let disk = normals_disk(view, vertices[0], vertices[1],
     return vec4(normals_rectangle(view, corners, true) + normals_polygon(view, &vertices, 4u, true), disk);
 ";
 
-/// The revision, raised when the values of the check of any rule change.
+/// The revision. It is raised when the values of the check change for any rule.
 const REVISION: u32 = 1;
 
 /// The first part of the comment: description and functions.
@@ -75,12 +75,12 @@ EXAMPLE
   Result: a vec4 of f32, the two parts and 0, 0.
 ";
 
-/// The comment of the program, in lines that begin with `//`.
+/// The comment of the program, in lines that start with `//`.
 fn normals_header(rule: NormalsRule, language: Language) -> String {
     commented(&format!("{}\n{EXAMPLE}{}\n\n{}", about(rule), bindings(language), check(rule)))
 }
 
-/// The comment of the text to include.
+/// The comment of the shader text.
 fn normals_include_header(rule: NormalsRule) -> String {
     commented(&format!("{}\n{}", about(rule), check(rule)))
 }

@@ -1,8 +1,8 @@
-//! The text that prefilters a picture on a light, for any light model.
+//! The shader text that prefilters a picture on a light, for any light model.
 
 use super::{header::commented, sources::joined, stamp::head};
 
-/// The revision, raised when the pyramid changes.
+/// The revision. It is raised when the pyramid changes.
 const REVISION: u32 = 1;
 
 const LICENCE: &str = "MIT OR Apache-2.0";
@@ -40,7 +40,7 @@ pub fn prefilter_comment() -> String {
     commented(&format!("{}{ABOUT}", head(LICENCE, REVISION)))
 }
 
-/// The functions, and a fragment shader named `ltc_included` that calls all of them.
+/// The functions, and a fragment shader named `ltc_included` that calls each of them.
 #[must_use]
 pub fn prefilter_source() -> String {
     let caller = "

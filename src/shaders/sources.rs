@@ -1,4 +1,4 @@
-//! The sources in WGSL, and functions that join them.
+//! The WGSL sources, and functions that join them.
 
 use super::Bound;
 use super::Lights;
@@ -9,16 +9,16 @@ use super::{LitBy, Reading};
 use ltcforge_fit::{Layout, LayoutShader};
 use ltcforge_light::{LightModel, NormalsRule};
 
-/// A file of `shaders/`.
+/// A file in `shaders/`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shader {
-    /// Its name, without the extension.
+    /// The file name without its extension.
     pub name: &'static str,
     /// WGSL.
     pub source: &'static str,
 }
 
-/// Every shader except the parts of layouts. Each shader comes after the shaders it needs.
+/// Every shader except the parts of layouts. Each shader follows the shaders that it needs.
 pub const SHADERS: [Shader; 46] = [
     Shader { name: "ltc_math", source: ltcforge_wgsl::LTC_MATH },
     Shader { name: "ltc_quadrant", source: ltcforge_wgsl::LTC_QUADRANT },
@@ -71,7 +71,7 @@ pub const SHADERS: [Shader; 46] = [
 /// The parts that read a table in volumes.
 const TABLE: [&str; 4] = ["ltc_quadrant", "texels_volumes", "ltc_table", "ltc_lookup"];
 
-/// The named shaders as one text, in the order of [`SHADERS`].
+/// The named shaders as one text, ordered as in [`SHADERS`].
 #[must_use]
 pub fn joined(names: &[&str]) -> String {
     let sources: Vec<&str> = SHADERS.iter().filter(|s| names.contains(&s.name)).map(|shader| shader.source).collect();
@@ -80,9 +80,9 @@ pub fn joined(names: &[&str]) -> String {
 
 /// The named shaders as one module that reads tables of these layouts.
 ///
-/// A lookup calls `ltc_place_of` and `ltc_restore`, or `ltc_steps` and `ltc_restore`, which are written here. For one
-/// layout they call its functions. For several they switch on the table's layout. A single isotropic layout has its own
-/// lookup.
+/// A lookup calls `ltc_place_of` and `ltc_restore`, or `ltc_steps` and `ltc_restore`. This function writes them. For
+/// one layout, they call the functions of the layout. For several, they switch on the table's layout. A single
+/// isotropic layout has its own lookup.
 fn module(names: &[&str], layouts: &[Layout]) -> String {
     let parts = parts_of(layouts);
     let (lookup, called) = match layouts {
@@ -123,7 +123,7 @@ fn functions_of_one(LayoutShader { place, restore, is_isotropic, .. }: &LayoutSh
     )
 }
 
-/// The functions that a lookup calls, switching on the layout of the table.
+/// The functions that a lookup calls, with a switch on the table's layout.
 fn functions_of_several(layouts: &[Layout]) -> String {
     let switch = |default: &str, of: &dyn Fn(&LayoutShader) -> String| {
         let case = |layout: &Layout| {
@@ -159,8 +159,8 @@ fn lookup_functions(place: &str, restore: &str) -> String {
     )
 }
 
-/// The shaders of the preview except those of model `normals`: all other models, and the preview's entry points instead
-/// of the examples.
+/// The preview's shaders for all models except `normals`: their functions, and the preview's entry points instead of
+/// the examples.
 fn previewed() -> Vec<&'static str> {
     let layouts = [None, Some(Layout::ALL[0])];
     let models = layouts.iter().flat_map(|layout| LightModel::ALL.iter().map(|model| LitBy::new(*model, *layout)));
@@ -176,8 +176,8 @@ fn previewed() -> Vec<&'static str> {
         .collect()
 }
 
-/// The module of the preview. It reads tables of every layout and has model `normals` with each rule; names in a rule's
-/// text begin with the name of the rule. Pictures on lights use the texts to include.
+/// The module of the preview. It reads tables of every layout and has model `normals` with each rule. Names in the text
+/// of a rule start with the rule's name. Pictures on lights use the texts to include.
 #[must_use]
 pub fn preview_module() -> String {
     let by_rule = |rule: &NormalsRule| {
@@ -196,13 +196,13 @@ pub fn table_reader(bound: Bound, layouts: &[Layout]) -> String {
     module(&["ltc_quadrant", texels(bound), "ltc_table", "ltc_lookup", "ltc_two_lobes"], layouts)
 }
 
-/// The module for other renderers, with its example.
+/// The module for other renderers, with the example program.
 #[must_use]
 pub fn ported(lit_by: LitBy) -> String {
     assembled(lit_by, TABLE, Lights::All, &[lit_by.shader().example])
 }
 
-/// The shaders of a model's light, its table reader if it has tables, and `others`.
+/// The shaders for a model's light, its table reader if it reads tables, and `others`.
 fn assembled(lit_by: LitBy, reader: [&str; 4], lights: Lights, others: &[&str]) -> String {
     let functions = [(lit_by.shader().functions)(lights), &lit_by.added_files(lights)].concat();
     match lit_by.layout() {
@@ -211,7 +211,7 @@ fn assembled(lit_by: LitBy, reader: [&str; 4], lights: Lights, others: &[&str]) 
     }
 }
 
-/// The part that reads the textures.
+/// The file that reads the textures.
 fn texels(bound: Bound) -> &'static str {
     match bound {
         Bound::Volumes => "texels_volumes",
@@ -219,7 +219,7 @@ fn texels(bound: Bound) -> &'static str {
     }
 }
 
-/// The functions to include in other renderers, without an example.
+/// The functions for other renderers, without an example.
 #[must_use]
 pub fn functions(lit_by: LitBy, reading: Reading, lights: Lights) -> String {
     let reader = ["ltc_quadrant", texels(reading.bound), "ltc_table", "ltc_lookup"];
@@ -227,7 +227,7 @@ pub fn functions(lit_by: LitBy, reading: Reading, lights: Lights) -> String {
     assembled(lit_by, reader, lights, others) + &lit_by.textured(reading)
 }
 
-/// The functions of a table's light without textures; `smooth_at` has the coefficients.
+/// The functions for light by a table without textures. `smooth_at` has the coefficients.
 #[must_use]
 pub fn without_textures(smooth_at: &str, lights: Lights, lit_by: LitBy) -> String {
     let source = ltcforge_wgsl::LAYOUT_REFLECTED;
@@ -246,7 +246,7 @@ mod tests {
     use crate::Additions;
     use ltcforge_light::textured::Readings;
 
-    /// Validates the named shaders, joined with the parts of layouts if they read a table.
+    /// Validates the named shaders together. If they read a table, the parts of layouts are added.
     fn validate(names: &[&str]) {
         assert!(names.iter().all(|name| SHADERS.iter().any(|shader| shader.name == *name)), "{names:?}");
         if names.contains(&"ltc_lookup") {
@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn each_shader_is_valid_with_what_it_says_it_needs() {
+    fn each_shader_is_valid_with_its_declared_dependencies() {
         validate(&["ltc_math"]);
         validate(&TABLE);
         validate(&["ltc_quadrant", "texels_array", "ltc_table", "ltc_lookup"]);
@@ -295,8 +295,8 @@ mod tests {
         validate_text(&["preview"], &preview_module());
     }
 
-    /// Every rule and layout, with each number of readings, and its caller. The names of the shared text are all
-    /// replaced.
+    /// Validates the text of every rule and layout with its caller, for each number of texture reads. All names of the
+    /// shared text must be replaced.
     #[test]
     fn texts_with_pictures_are_valid() {
         let rules = NormalsRule::SHADED.map(|rule| LitBy::new(LightModel::Normals, None)?.by_rule(Some(rule)));
@@ -340,11 +340,12 @@ mod tests {
         assert_eq!(SHADERS.len() + parts_of(Layout::ALL).len(), texts.count());
     }
 
-    /// Shaders that loop over a scene, in the preview only, or over the texels of a picture, in the prefilter.
+    /// Shaders with loops over inputs: over a scene (only in the preview), or over the texels of a picture (in the
+    /// prefilter).
     const OVER_INPUTS: [&str; 6] =
         ["ggx_reference", "reference_solids", "preview_cut", "preview_textured", "sphere", "prefilter"];
 
-    /// Whether a line begins a loop from one constant to another: `for (var i = 0u; i < 8u; i++) {`.
+    /// Whether a line starts a loop from one constant to another: `for (var i = 0u; i < 8u; i++) {`.
     fn is_bounded(line: &str) -> bool {
         let parts = || {
             let head = line.strip_prefix("for (var ")?.strip_suffix("++) {")?;
@@ -364,7 +365,7 @@ mod tests {
             || (["LTC_", "TEXTURED_"].iter().any(|prefix| word.starts_with(prefix)) && word.chars().all(is_name))
     }
 
-    /// A driver's compiler may take minutes for a loop without constant bounds.
+    /// A driver's compiler can take minutes for a loop without constant bounds.
     #[test]
     fn every_loop_of_an_emitted_shader_has_constant_bounds() {
         let layouts = parts_of(Layout::ALL);

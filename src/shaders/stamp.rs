@@ -1,14 +1,14 @@
-//! The first lines of every text: its licence, the version that wrote it, and a digest that detects changes.
+//! The first lines of every shader text: its licence, the version that wrote it, and a digest that detects changes.
 
 use sha2::{Digest, Sha256};
 
-/// The licence of texts that contain no numbers of a table.
+/// The licence of texts without numbers of a table.
 pub(super) const LICENCE: &str = "MIT OR Apache-2.0";
 
-/// The placeholder for the digest, until the text is known.
+/// A placeholder for the digest, which depends on the finished text.
 const DIGEST: &str = "{digest}";
 
-/// The first lines of a comment, to be [`stamped`]. `revision` is raised when the values of a model change.
+/// The first lines of a comment, for [`stamped`]. `revision` is raised when the values of a model change.
 #[must_use]
 pub fn head(licence: &str, revision: u32) -> String {
     let version = env!("CARGO_PKG_VERSION");
@@ -17,8 +17,8 @@ pub fn head(licence: &str, revision: u32) -> String {
     )
 }
 
-/// The comment `header`, a blank line and the `code`. The comment contains the digest of the code: the first 16 digits
-/// of the SHA-256 of the text below the first blank line.
+/// The comment `header`, a blank line, and the `code`. The comment contains a digest of the text below the first blank
+/// line: the first 16 digits of its SHA-256.
 #[must_use]
 pub fn stamped(header: &str, code: &str) -> String {
     format!("{}\n{code}", header.replace(DIGEST, &digest(code)))

@@ -1,4 +1,5 @@
-//! The text of lights with pictures: the readings, which all models share under different names, and a model's lobe.
+//! The shader text for lights with pictures: the reads, which all models share under different names, and a model's
+//! lobe.
 
 use super::{
     Additions, Bound, LitBy, Reading, additions::pictured, namespace::prefixed, normals_header::normals_files,
@@ -51,7 +52,7 @@ fn normals_profile_rectangle(
 }
 ";
 
-/// The bindings of the pictures and their sampler, after the bindings of the table.
+/// The bindings of the pictures and their sampler. They follow the bindings of the table.
 fn bindings(lit_by: LitBy, reading: Reading) -> [u32; 2] {
     let first = match (lit_by.layout(), reading.bound) {
         (None, _) => 0,
@@ -62,7 +63,7 @@ fn bindings(lit_by: LitBy, reading: Reading) -> [u32; 2] {
 }
 
 impl LitBy {
-    /// The text of pictures on lights; empty if they are not chosen.
+    /// The text for pictures on lights. Empty if pictures are not selected.
     pub(super) fn textured(self, reading: Reading) -> String {
         let (Some(number), Some([own, lobe])) = (self.additions().textured, pictured(self.model())) else {
             return String::new();
@@ -84,7 +85,7 @@ impl LitBy {
         format!("\n{shared}\n{of_model}")
     }
 
-    /// The rule's `normals_rectangle` with a picture: the same text, followed by the colour for the same outline.
+    /// The rule's `normals_rectangle` with a picture: the same code, followed by the colour for the same outline.
     fn normals_rectangle(self) -> String {
         let text = joined(self.rule().map_or(&[], normals_files));
         let begins = text.find("fn normals_rectangle(").unwrap_or(0);
@@ -113,7 +114,8 @@ impl LitBy {
         )
     }
 
-    /// The text of pictures for the preview, which declares textures, sampler and number of readings for all models.
+    /// The text for pictures in the preview. The preview declares textures, sampler and number of texture reads for all
+    /// models.
     pub(super) fn previewed_pictures(self) -> String {
         let additions = Additions { textured: Some(Readings::ALL[0]), ..Additions::default() };
         let (Some([own, _]), Ok(lit_by)) = (pictured(self.model()), self.with(additions)) else { return String::new() };
@@ -138,7 +140,7 @@ impl LitBy {
         )
     }
 
-    /// The description in the comment of a text to include.
+    /// The description in the comment of a shader text.
     pub(super) fn about_textured(self) -> String {
         let (Some(number), Some([own, _])) = (self.additions().textured, pictured(self.model())) else {
             return String::new();

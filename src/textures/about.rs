@@ -1,12 +1,12 @@
-//! The comment that a file has about itself.
+//! The comment in an exported file that describes its contents.
 
 use ltcforge_files::{digest::Digest, manifest::MeanError, recipe_document};
 use ltcforge_fit::{BrdfKind, Recipe};
 
-/// The licence of the numbers: tables are facts about a BRDF, and anyone may ship them without asking.
+/// The licence of the numbers. Tables are facts about a BRDF, and anyone may ship them without permission.
 const LICENCE: &str = "licence of the numbers: CC0-1.0";
 
-/// The licence of tables of `fuzz`, whose lobes are published numbers and not a fit.
+/// The licence of tables for `fuzz`. Their lobes are published numbers, not a fit.
 const FUZZ: &str = "licence of the numbers: Apache-2.0, that of the lobes of fuzz: Zeltner, Burley, Chiang 2022, by the functions of MaterialX 1.39";
 
 /// The papers on which the tables are based.
@@ -15,10 +15,11 @@ const PAPERS: [&str; 2] = [
     "KT, Heitz, Dupuy, Narayanan: Bringing Linearly Transformed Cosines to Anisotropic GGX, 2022",
 ];
 
-/// Digits of a digest that distinguish tables in names.
+/// The number of hexadecimal digits by which names identify a table.
 const DIGITS: usize = 8;
 
-/// Lines for people, which each file contains if its format has a place for them. Lines have no control characters.
+/// Lines of text for people. Each exported file contains them, if its format has room for comments. Lines have no
+/// control characters.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct About {
     lines: Vec<String>,
@@ -29,7 +30,8 @@ pub struct About {
 }
 
 impl About {
-    /// The given lines. A line break within a line begins another line; other control characters become spaces.
+    /// A comment with these lines. A line break within a line starts a new line, and other control characters become
+    /// spaces.
     pub fn new(lines: impl IntoIterator<Item = impl AsRef<str>>) -> Self {
         let mut clean = Vec::new();
         for line in lines {
@@ -44,14 +46,14 @@ impl About {
         Self { lines: clean, ..Self::default() }
     }
 
-    /// The known facts about a table: its digest and its recipe's digest, its mean error between nodes
-    /// (`report.between` of its manifest), licence and papers.
+    /// A comment with the known facts about a table: its digest, its recipe's digest, its mean error between nodes
+    /// (`report.between` of its manifest), the licence and the papers.
     #[must_use]
     pub fn of_table(table: Digest, recipe: Option<&Recipe>, error: Option<MeanError>) -> Self {
         let mut lines = vec![format!("ltcforge {}", env!("CARGO_PKG_VERSION")), format!("table {table}")];
         let document = recipe.map(recipe_document::canonical_json);
         lines.extend(document.as_ref().map(|document| format!("recipe {}", Digest::of(document.as_bytes()))));
-        // Files of GGX do not name their BRDF, so their bytes stay the same.
+        // Files for GGX do not name their BRDF. Otherwise their bytes would differ from those of earlier versions.
         let brdf = recipe.map(Recipe::brdf).filter(|brdf| *brdf != BrdfKind::Ggx);
         lines.extend(brdf.map(|brdf| format!("brdf {brdf}")));
         let fresnel = recipe.map(|recipe| recipe.model().fresnel()).filter(|fresnel| !fresnel.is_one());
@@ -69,15 +71,15 @@ impl About {
         self.recipe.as_deref()
     }
 
-    /// The same comment for textures of this layout.
+    /// The same comment, with the layout in the suffix of names.
     #[must_use]
     pub fn of_layout(self, layout: &'static str) -> Self {
         Self { layout: Some(layout), ..self }
     }
 
-    /// A suffix that distinguishes this table's names in code from those of other tables: the layout and the first
-    /// digits of the table's digest, if they are known, each after an underscore. ASCII letters, digits and
-    /// underscores.
+    /// A suffix that distinguishes this table's names in code from those of other tables. It is the layout and the
+    /// first digits of the table's digest, if they are known, each after an underscore. It has only ASCII letters,
+    /// digits and underscores.
     pub(super) fn suffix(&self) -> String {
         let digits = self.table.map(|table| table.hex()[..DIGITS].to_owned());
         let parts = self.layout.map(|layout| layout.replace('-', "_")).into_iter().chain(digits);
@@ -97,15 +99,15 @@ impl About {
         &self.lines
     }
 
-    /// The lines as a comment of code, each after `//`.
+    /// The lines as a comment in code, each after `//`.
     #[must_use]
     pub(super) fn comment(&self) -> String {
-        // In C, a backslash at the end would continue the comment on the next line.
+        // In C, a backslash at the end of a line would continue the comment.
         self.lines.iter().map(|line| format!("// {line}").trim_end_matches(['\\', ' ']).to_owned() + "\n").collect()
     }
 }
 
-/// Whether a character is not a control character, but ends a line, and so a comment, in some languages.
+/// Whether a character that is not a control character ends a line in some languages, and therefore a comment.
 fn is_break(c: char) -> bool {
     matches!(c, '\u{2028}' | '\u{2029}')
 }
@@ -115,16 +117,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_in_code_tell_layouts_and_tables_apart() {
+    fn names_in_code_differ_between_layouts_and_tables() {
         let of = |bytes: &[u8], layout| About::of_table(Digest::of(bytes), None, None).of_layout(layout).and(["more"]);
         assert_eq!(of(b"abc", "reflected-array").suffix(), "_reflected_array_ba7816bf");
         assert_ne!(of(b"abc", "ltc2017").suffix(), of(b"abd", "ltc2017").suffix());
         assert_eq!(About::new(["a line"]).suffix(), "");
     }
 
-    /// A table of fuzz has published numbers under their own licence.
+    /// A table for fuzz has published numbers with their own licence.
     #[test]
-    fn one_licence_is_told() {
+    fn one_licence_is_stated() {
         for (brdf, licence) in
             [(BrdfKind::Ggx, "CC0-1.0"), (BrdfKind::Charlie, "CC0-1.0"), (BrdfKind::Fuzz, "Apache-2.0")]
         {
@@ -136,9 +138,9 @@ mod tests {
         }
     }
 
-    /// The comment states the number of places, because the mean over a few places may be twice that over many.
+    /// The comment states the number of places, because the mean over few places can be twice the mean over many.
     #[test]
-    fn the_error_is_told_with_the_places_where_it_was_measured() {
+    fn the_error_is_stated_with_the_number_of_places() {
         let about = About::of_table(Digest::of(b""), None, Some(MeanError { width: 0.046_98, places: 512 }));
         let line = "mean error between nodes: 0.0470 of the lobe's width, at 512 places";
         assert!(about.lines().iter().any(|own| own == line), "{about:?}");

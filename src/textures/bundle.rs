@@ -1,4 +1,4 @@
-//! Files that belong together, and a manifest that describes them.
+//! Files of one export, and a manifest that describes them.
 
 use serde_json::{Value, json};
 
@@ -11,16 +11,16 @@ pub const MANIFEST: &str = "ltcforge.json";
 /// The files of an export.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bundle {
-    /// The files; the last is the manifest.
+    /// The files. The last is the manifest.
     pub files: Vec<TextureFile>,
     /// Instructions, one sentence each.
     pub steps: Vec<String>,
 }
 
 impl Bundle {
-    /// The same files plus a manifest `ltcforge.json`. It has the export's `key` and `name` (such as `for` and an
-    /// engine), facts about the table, its recipe, the steps, and each file's size in bytes, SHA-256 and changes by
-    /// rounding.
+    /// Adds a manifest `ltcforge.json` to the files. It has the export's `key` and `name` (such as `for` and an
+    /// engine), facts about the table, its recipe, the steps, and for each file its size in bytes, its SHA-256 and its
+    /// rounding errors.
     pub(super) fn with_manifest(mut self, key: &str, name: &str, about: &About) -> Self {
         let entry = |file: &TextureFile| json!({ "path": file.path, "bytes": file.bytes.len(), "sha256": Digest::of(&file.bytes).hex(), "rounding": file.rounding });
         let files: Vec<_> = self.files.iter().map(entry).collect();

@@ -1,12 +1,12 @@
-//! Numbers as text: the shortest digits that give the stored number again.
+//! Numbers as text, with the fewest digits that read back as the stored number.
 
 use half::f16;
 
 use ltcforge_fit::Precision;
 
-/// The shortest decimal that reads as `x`, a number of the precision. For 32 bits it reads as an f32. For 16 bits it
-/// gives the half if it is read as a half, as an f32 that is then rounded, or as an f64. The text is a valid number in
-/// JSON and JavaScript, and with a decimal point also in C, C# and Rust.
+/// The shortest decimal that reads back as `x`, which must be exact in the precision. For 32 bits, it must read back as
+/// an f32. For 16 bits, it must give the half when read as a half, as an f32 that is then rounded, or as an f64. The
+/// text is a valid number in JSON and JavaScript. With a decimal point, it is also valid in C, C# and Rust.
 pub(super) fn shortest(x: f32, precision: Precision) -> String {
     let exponential = match precision {
         Precision::F32 => format!("{x:e}"),
@@ -15,8 +15,8 @@ pub(super) fn shortest(x: f32, precision: Precision) -> String {
     plain(&exponential)
 }
 
-/// The shortest decimal of a half. Five digits distinguish all halves; for each length the decimal nearest to `x` is
-/// tried.
+/// The shortest decimal of a half. Five digits distinguish all halves. For each length, the function tries the decimal
+/// nearest to `x`.
 fn shortest_half(x: f32) -> String {
     (0..=4)
         .map(|decimals| format!("{x:.decimals$e}"))
@@ -24,8 +24,8 @@ fn shortest_half(x: f32) -> String {
         .unwrap_or_else(|| format!("{x:e}"))
 }
 
-/// Whether the text gives this half in every way of reading. The text must not be on the border of two halves, because
-/// engines round ties in either direction.
+/// Whether the text gives this half no matter how it is read. The text must not be halfway between two halves, because
+/// engines round ties in different directions.
 fn reads_as(text: &str, x: f32) -> bool {
     let (Ok(single), Ok(double)) = (text.parse::<f32>(), text.parse::<f64>()) else { return false };
     let bits = f16::from_f32_const(x).to_bits();
@@ -33,7 +33,7 @@ fn reads_as(text: &str, x: f32) -> bool {
     f16::from_f32_const(single).to_bits() == bits && around.iter().all(|y| f16::from_f64_const(*y).to_bits() == bits)
 }
 
-/// The text without an exponent if it is not much longer, such as `0.125` for `1.25e-1`; exponents without `+`.
+/// The text without an exponent if it is not much longer, such as `0.125` for `1.25e-1`. Exponents have no `+`.
 fn plain(exponential: &str) -> String {
     let Some((mantissa, exponent)) = exponential.split_once('e') else { return exponential.to_owned() };
     let Ok(exponent) = exponent.parse::<i32>() else { return exponential.to_owned() };
@@ -43,7 +43,7 @@ fn plain(exponential: &str) -> String {
     let digits = if digits.is_empty() { "0" } else { digits };
     let count = i32::try_from(digits.len()).unwrap_or(i32::MAX);
     match exponent {
-        // All digits are before the point.
+        // All digits are before the decimal point.
         _ if (count - 1..6).contains(&exponent) => {
             format!("{sign}{digits}{}", "0".repeat((exponent + 1 - count) as usize))
         }
@@ -64,7 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_half_comes_back_from_five_digits() {
+    fn every_half_is_read_back_from_five_digits() {
         let mut lengths = [0_usize; 12];
         for bits in 0..=u16::MAX {
             let half = f16::from_bits(bits);
@@ -73,13 +73,14 @@ mod tests {
             }
             let text = shortest(half.to_f32_const(), Precision::F16);
             let single: f32 = text.parse().unwrap_or_else(|_| panic!("{text}"));
-            let double: f64 = serde_json::from_str(&text).unwrap_or_else(|_| panic!("{text} is no JSON"));
+            let double: f64 = serde_json::from_str(&text).unwrap_or_else(|_| panic!("{text} is not JSON"));
             assert_eq!(f16::from_f32_const(single).to_bits(), bits, "{text}");
             assert_eq!(f16::from_f64_const(double).to_bits(), bits, "{text}");
-            // The text must be strictly nearer than to the next halves: some engines round ties away from zero.
+            // The text must be strictly nearer to this half than to its neighbours: some engines round ties away from
+            // zero.
             for neighbour in [bits ^ 0x8000, bits.wrapping_add(1), bits.wrapping_sub(1)].map(f16::from_bits) {
                 let (here, there) = ((double - half.to_f64_const()).abs(), (double - neighbour.to_f64_const()).abs());
-                assert!(neighbour.is_nan() || half == neighbour || here < there, "{text} is no nearer to {half}");
+                assert!(neighbour.is_nan() || half == neighbour || here < there, "{text} is not nearest to {half}");
             }
             let digits = text.split('e').next().unwrap_or_default().trim_start_matches(['-', '0', '.']);
             lengths[digits.chars().filter(char::is_ascii_digit).count()] += 1;
@@ -89,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_written_as_people_do() {
+    fn numbers_are_written_like_people_write_them() {
         for (x, single, half) in [
             (0.0, "0", "0"),
             (1.0, "1", "1"),
@@ -112,7 +113,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn every_f32_comes_back(x in prop::num::f32::NORMAL | prop::num::f32::SUBNORMAL | prop::num::f32::ZERO) {
+        fn every_f32_is_read_back(x in prop::num::f32::NORMAL | prop::num::f32::SUBNORMAL | prop::num::f32::ZERO) {
             let text = shortest(x, Precision::F32);
             prop_assert_eq!(text.parse::<f32>().map(f32::to_bits), Ok(x.to_bits()), "{}", text);
             let double: f64 = serde_json::from_str(&text).expect("JSON");

@@ -1,4 +1,4 @@
-//! Exports of a table: a name for each set of files.
+//! Exports of a table. Each set of files has a name.
 
 use std::{fmt, str::FromStr};
 
@@ -9,16 +9,16 @@ use super::{
 use ltcforge_files::compact::{COMPACT_MAGIC, encode_lobes};
 use ltcforge_fit::{Precision, Table};
 
-/// The name of a file that contains all textures.
+/// The name of a file that contains all textures, without its extension.
 const STEM: &str = "ltc";
-/// The key of the export's name in the manifest, for files that are not for an engine.
+/// The manifest's key for the name of an export that is not for an engine.
 const MANIFEST_KEY: &str = "export";
 
-/// A set of files that can be made of a table. Its name is that of an engine, or layout, format and numbers with dots
-/// between, or that of a compact form: `three`, `ltc2017.ktx2.f16`, `compact-js`.
+/// A set of files that can be made from a table. Its name is an engine, a compact form, or a layout, format and
+/// precision with dots between: `three`, `compact-js`, `ltc2017.ktx2.f16`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Export {
-    /// The files of an engine, with its names.
+    /// The files of an engine, named as the engine expects.
     Engine(Engine),
     /// Textures of a layout in any format.
     Textures {
@@ -49,11 +49,11 @@ fn names<T: fmt::Display>(all: &[T]) -> String {
 /// The table does not have these files.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ExportError {
-    /// The table has no such textures.
+    /// The table has no textures of this layout.
     #[error(transparent)]
     Textures(#[from] NoTextures),
-    /// The table has such textures, but not in the sizes that the engine needs.
-    #[error("{source}; this recipe gives a table that has them: {recipe}")]
+    /// The table has these textures, but not in the sizes that the engine needs.
+    #[error("{source}; this recipe gives a table with these sizes: {recipe}")]
     Sizes {
         /// The sizes that the engine needs, and the sizes of the table.
         source: Box<TextureFileError>,
@@ -65,23 +65,23 @@ pub enum ExportError {
     Files(TextureFileError),
     /// Some matrices are singular, and shaders cannot invert them.
     #[error(
-        "{count} entries have matrices without an inverse, which cannot be lit; the first is entry {entry}, {place}"
+        "{count} entries have matrices without an inverse, which shaders cannot use; the first is entry {entry}, {place}"
     )]
     Singular {
         /// The number of singular matrices.
         count: usize,
         /// The index of the first singular entry.
         entry: usize,
-        /// The place of the first singular entry.
+        /// The position of the first singular entry.
         place: String,
     },
-    /// The table has no such compact form.
+    /// The table has no compact form of this kind.
     #[error(transparent)]
     Compact(#[from] CompactFileError),
 }
 
 impl ExportError {
-    /// A recipe whose table has these files, if there is one.
+    /// A recipe for a table that has these files, if there is one.
     #[must_use]
     pub fn recipe(&self) -> Option<&str> {
         match self {
@@ -94,7 +94,7 @@ impl ExportError {
 }
 
 impl Export {
-    /// All exports: engines first, then textures, then compact forms.
+    /// All exports: first engines, then textures, then compact forms.
     pub fn all() -> impl Iterator<Item = Self> {
         let textures = TextureLayout::ALL.iter().flat_map(|&layout| {
             TextureContainer::ALL.iter().flat_map(move |&container| {
@@ -105,10 +105,10 @@ impl Export {
         Engine::ALL.iter().map(|&engine| Self::Engine(engine)).chain(textures).chain(compact)
     }
 
-    /// The name of the layout of the files, if the table has it. Sizes are not checked.
+    /// The name of the layout of the files, if the table supports it. Sizes are not checked.
     ///
     /// # Errors
-    /// The table lacks the layout; the error names a recipe whose table has it. Or a matrix has no inverse.
+    /// The table does not have this layout, and the error names a recipe whose table has it. Or a matrix has no inverse.
     pub fn layout(self, table: &Table) -> Result<&'static str, ExportError> {
         check_inverses(table)?;
         match self {
@@ -125,7 +125,7 @@ impl Export {
     }
 
     /// The files, their manifest, and instructions. They depend only on the arguments and the version of this program.
-    /// `about` describes the table; this function adds the sampling of its textures.
+    /// `about` describes the table. This function adds how to sample the textures.
     ///
     /// # Errors
     /// The table does not have these files.
@@ -160,8 +160,8 @@ impl Export {
         }
     }
 
-    /// The paths of the files of a table, with placeholder contents of the same formats but other numbers. This takes a
-    /// fraction of the time of [`Self::bundle`].
+    /// The paths of a table's files. The contents are placeholders with the same formats but other numbers. This takes
+    /// a fraction of the time of [`Self::bundle`].
     ///
     /// # Errors
     /// The table does not have these textures.
@@ -180,7 +180,7 @@ impl Export {
                 Bundle { files, steps: vec![] }.with_manifest(MANIFEST_KEY, &self.to_string(), &about)
             }
             Self::Compact(CompactContainer::Wgsl) => {
-                // The module's text depends on numbers that these bytes lack.
+                // The module's text depends on numbers that the placeholder bytes do not have.
                 let mut bundle = Self::compact_bundle(CompactContainer::Bytes, lobes(COMPACT_MAGIC.to_vec()), &about)?;
                 let (path, bytes) = (format!("{STEM}.compact.wgsl"), b"// WGSL".to_vec());
                 bundle.files.insert(1, TextureFile { path, bytes, rounding: RoundingError::default() });
@@ -191,7 +191,7 @@ impl Export {
         Ok(bundle.files)
     }
 
-    /// The same as [`Self::bundle`], from the compact forms of the table's lobes.
+    /// Like [`Self::bundle`], but from the compact forms of the table's lobes.
     ///
     /// # Errors
     /// The bytes are not a compact form.
@@ -205,23 +205,23 @@ impl Export {
     }
 }
 
-/// The files of a table, with one more step if its recipe lists nodes.
+/// If the table's recipe lists its nodes, adds the step to use a shader with these nodes.
 fn with_search(mut bundle: Bundle, table: &Table) -> Bundle {
     if !table.layout.is_even(&table.axes) {
-        let text = "The recipe lists its nodes: use the shader that ltcforge shader --nodes TABLE writes.";
+        let text = "The recipe lists its nodes, so use the shader that ltcforge shader --nodes TABLE writes.";
         bundle.steps.push(text.to_owned());
     }
     bundle
 }
 
-/// Refuses matrices without an inverse.
+/// Rejects matrices without an inverse.
 fn check_inverses(table: &Table) -> Result<(), ExportError> {
     let mut singular = table.determinants().enumerate().filter(|(_, x)| *x == 0.0 || !x.is_finite());
     let Some((entry, _)) = singular.next() else { return Ok(()) };
     Err(ExportError::Singular { count: 1 + singular.count(), entry, place: table.place_of(entry) })
 }
 
-/// The layout of the textures that an engine needs of a table. Errors that no other recipe can fix come first.
+/// The layout of the textures that an engine needs from a table. Errors that no other recipe can fix come first.
 fn engine_textures(engine: Engine, table: &Table) -> Result<TextureLayout, NoTextures> {
     let own = TextureLayout::of_shader(table.layout);
     let layout = engine.layout().map_or(Ok(own), TextureLayout::named)?;

@@ -1,24 +1,24 @@
-//! Files made of textures.
+//! Files that contain textures.
 
 use std::{ffi::OsStr, path::Path};
 
 use super::{rounding::RoundingError, texture::TextureError};
 use ltcforge_files::compact::COMPACT_MAGIC;
 
-/// A file made of textures.
+/// A file that contains textures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TextureFile {
-    /// The path within the destination folder, with `/` between names.
+    /// The path within the destination folder, with `/` as separator.
     pub path: String,
     /// The bytes of the file.
     pub bytes: Vec<u8>,
-    /// The changes by rounding.
+    /// The rounding errors.
     pub rounding: RoundingError,
 }
 
 impl TextureFile {
-    /// Whether bytes look like another version of this file: both are texts; or both begin alike; or, for a format
-    /// without a magic number, both have the same length.
+    /// Whether the given bytes look like another version of this file. They do if both are text, if both start with the
+    /// same bytes, or, for a format without a magic number, if both have the same length.
     #[must_use]
     pub fn resembles(&self, bytes: &[u8]) -> bool {
         let is_json = |bytes: &[u8]| serde_json::from_slice::<serde::de::IgnoredAny>(bytes).is_ok();
@@ -32,13 +32,13 @@ impl TextureFile {
     }
 }
 
-/// The textures cannot become files.
+/// The textures cannot be written as files.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum TextureFileError {
     /// A texture is inconsistent.
     #[error(transparent)]
     Texture(#[from] TextureError),
-    /// There is no texture.
+    /// The list of textures is empty.
     #[error("no texture was given; a file needs one or more")]
     Empty,
     /// Two textures have the same name.
@@ -73,7 +73,7 @@ pub enum TextureFileError {
         /// The textures of the table.
         found: String,
     },
-    /// The crate that writes the format returned an error.
+    /// The crate for the format returned an error.
     #[error("{container}: {reason}")]
     Refused {
         /// The format.

@@ -1,15 +1,15 @@
-//! Matrices in halves: the numbers of a matrix are rounded together, so that its lobe moves least.
+//! Rounds the numbers of a matrix to halves together, so that its lobe moves least.
 //!
-//! The direction of a sharp lobe depends on differences of numbers that are many times larger than its width. Rounding
-//! each number to the nearest half may move the lobe by most of its width. So each number becomes one of its two
-//! neighbouring halves, and the search selects the combination that displaces the lobe least:
+//! The direction of a sharp lobe depends on small differences of large numbers. Rounding each number to the nearest
+//! half can move the lobe by most of its width. Therefore each number becomes one of its two neighbouring halves, and a
+//! search selects the combination that moves the lobe least:
 //!
 //! ```text
 //! d^2 = mean_k |w'_k - w_k|^2,   w_k = M c_k / |M c_k|
 //! ```
 //!
-//! with fixed directions `c_k` that represent a clamped cosine. For up to five numbers, as in isotropic tables, the
-//! search tries all combinations. For nine, it changes one or two numbers at a time until nothing improves.
+//! The directions `c_k` are fixed and represent a clamped cosine. For up to five numbers, as in isotropic tables, the
+//! search tries all combinations. For nine numbers, it changes one or two numbers at a time until nothing improves.
 
 use glam::{DMat3, DVec3};
 use half::f16;
@@ -17,8 +17,8 @@ use serde::Serialize;
 
 use ltcforge_fit::{ALPHA_FLOOR, Layout, PerAxis, Reflection, THETA_CEILING, Table, math::concentric_cosine};
 
-/// The displacement of lobes by rounding their matrices: the root mean square over a lobe's directions, divided by the
-/// root mean square of their distance from their middle. 1 for a matrix that makes no lobe.
+/// How far rounding moves lobes: the root mean square displacement of a lobe's directions, divided by the root mean
+/// square of their distances from the middle of the lobe. It is 1 for a matrix without a lobe.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Displacement {
     /// The mean over a table's entries.
@@ -27,24 +27,24 @@ pub struct Displacement {
     pub max: f64,
 }
 
-/// The numbers of a texture as halves that were selected together.
+/// The numbers of a texture as halves that were rounded together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Halves {
     /// The halves, in the order of the texels.
     pub numbers: Vec<f32>,
-    /// The displacement of the table's lobes by rounding.
+    /// How far rounding moves the table's lobes.
     pub displacement: Displacement,
 }
 
-/// Rings and sectors of the clamped cosine, with one direction in each: for the search, and for the reported
-/// displacement.
+/// The numbers of rings and sectors of the clamped cosine, for the search and for the reported displacement. Each cell
+/// has one direction.
 const SEARCHED: [usize; 2] = [4, 8];
 const MEASURED: [usize; 2] = [8, 16];
-/// The most numbers for which all combinations are tried.
+/// The largest number of values for which the search tries all combinations.
 const MOST_TOGETHER: usize = 5;
-/// The displacement of a matrix if no combination makes a lobe.
+/// The displacement of a matrix if no combination has a lobe.
 const WITHOUT_LOBE: f64 = 1.0;
-/// The most rounds of changing one or two numbers.
+/// The largest number of rounds that change one or two numbers.
 const MOST_ROUNDS: usize = 8;
 
 /// The table with matrices in halves, and the displacement of its lobes.
@@ -67,8 +67,8 @@ pub(super) fn halved(table: &Table) -> (Table, Displacement) {
     (halved, Displacement { mean, max })
 }
 
-/// The half nearest to a number, and the neighbouring half on the other side of it, if there is one. If the number is
-/// not zero, neither half is zero, and both are finite.
+/// The half nearest to a number, and the neighbouring half on the other side of the number, if there is one. Both are
+/// finite. If the number is not zero, neither half is zero.
 pub(super) fn neighbours(x: f32) -> (f32, Option<f32>) {
     let half = f16::from_f32_const(x);
     if x == 0.0 || half.to_f32_const() == x {
@@ -98,7 +98,7 @@ impl Cosine {
         Self((0..rings * sectors).map(at).collect())
     }
 
-    /// The directions of a lobe.
+    /// The directions of a lobe, for its matrix `m`.
     fn of(&self, m: &DMat3) -> Vec<DVec3> {
         self.0.iter().map(|c| (*m * *c).normalize()).collect()
     }
@@ -118,7 +118,7 @@ impl LobeDecoder {
         Self { is_inverse: layout.free_numbers().is_some_and(|free| free.is_inverse), before }
     }
 
-    /// The lobe of a stored matrix; `None` if it makes no lobe.
+    /// The lobe of a stored matrix. `None` if the matrix has no lobe.
     fn lobe(&self, stored: &[f32; 9]) -> Option<DMat3> {
         // The array is row-major.
         let stored = DMat3::from_cols_array(&stored.map(f64::from)).transpose();
@@ -127,7 +127,7 @@ impl LobeDecoder {
         (determinant > 0.0 && lobe.is_finite()).then_some(lobe)
     }
 
-    /// The displacement between the lobes of two stored matrices; `None` if one of them makes no lobe.
+    /// The displacement between the lobes of two stored matrices. `None` if one of them has no lobe.
     fn displacement(&self, exact: &[f32; 9], other: &[f32; 9], cosine: &Cosine) -> Option<f64> {
         let exact = cosine.of(&self.lobe(exact)?);
         let moved = mean_square(&exact, &cosine.of(&self.lobe(other)?));
@@ -137,7 +137,7 @@ impl LobeDecoder {
         part.is_finite().then_some(part)
     }
 
-    /// The halves whose lobe is nearest to the lobe of the exact matrix.
+    /// The halves whose lobe is nearest to that of the exact matrix.
     fn nearest_lobe(&self, exact: &[f32; 9], cosine: &Cosine) -> [f32; 9] {
         let choices = exact.map(neighbours);
         let free: Vec<usize> = (0..9).filter(|i| choices[*i].1.is_some()).collect();
@@ -170,7 +170,7 @@ impl LobeDecoder {
         for _ in 0..MOST_ROUNDS {
             let before = best.0;
             for (k, one) in free.iter().enumerate() {
-                // The last item changes one number, the items before it two.
+                // The last item changes one number. The items before it change two.
                 for other in free[k + 1..].iter().chain([one]) {
                     let change = 1 << one | 1 << other;
                     try_one(best.0 ^ change, &mut best);
@@ -197,7 +197,7 @@ mod tests {
     use ltcforge_files::compact::planted::planted;
     use ltcforge_fit::Precision;
 
-    /// The displacement if each number is rounded separately.
+    /// The displacement if each number is rounded on its own.
     fn alone(table: &Table) -> Displacement {
         let cosine = Cosine::new(MEASURED);
         let moved: Vec<f64> = (0..table.matrix.len())
@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn lobes_move_less_than_where_each_number_is_rounded_alone() {
+    fn lobes_move_less_than_with_separate_rounding() {
         for (layout, nodes, part) in [
             (Layout::Ltc2017, [24, 1, 24, 1], 0.75),
             (Layout::Godot, [24, 1, 24, 1], 0.85),

@@ -1,10 +1,10 @@
-//! Textures as files that engines load, include or compile.
+//! Exports textures as files that engines load, include or compile.
 //!
-//! A [`Texture`] has numbers, sizes and names. A container writes textures in one format. An engine's bundle writes the
-//! files of this engine, with its names.
+//! A [`Texture`] has numbers, sizes and names. A container writes textures in one format. The bundle of an engine has
+//! the files of this engine, with the names that the engine expects.
 //!
-//! Invariant: equal arguments give equal bytes. No code here uses a clock or the environment, or reads or writes a
-//! file.
+//! Invariant: equal arguments give equal bytes. Code in this crate uses no clock and no environment, and does not
+//! access files.
 
 mod about;
 mod bundle;

@@ -1,12 +1,12 @@
-//! Recipes that errors suggest, whose tables have the requested files.
+//! Recipes that errors suggest. Their tables have the requested files.
 
 use serde_json::json;
 
 use ltcforge_files::digest::Digest;
 use ltcforge_fit::{BrdfKind, Layout, LobeModel, Table};
 
-/// The recipe of a layout, completed with the table's scattering model, materials and lobe if the layout supports them,
-/// and with two lobes an entry if its readers support them.
+/// The given recipe with the table's scattering model, materials and lobe, if the layout supports them. It keeps two
+/// lobes per entry if the readers of the layout support them.
 pub(super) fn recipe_like(recipe: &str, layout: Layout, takes_two_lobes: bool, table: &Table) -> String {
     let brdf = table.brdf.kind();
     let file = table.brdf.file().map(|file| Digest::from_bytes(*file.digest()).to_string());
@@ -34,7 +34,7 @@ mod tests {
     use ltcforge_fit::{Plan, fit_plan};
 
     #[test]
-    fn the_named_recipe_is_of_the_table_s_materials() {
+    fn the_suggested_recipe_keeps_the_materials_of_the_table() {
         let small = r#""preset": "draft", "resolution": {"alpha": 2, "ratio": 2, "theta": 2, "phi": 2}"#;
         let fresnel = r#""fresnel": [{"f0": 0.04, "weight": 4}, {"f0": 1}]"#;
         let read = |document: &str| parse(document.as_bytes(), DEFAULT_ENTRY_LIMIT).expect("a recipe");

@@ -9,36 +9,36 @@ use super::{
 };
 use ltcforge_fit::Precision;
 
-/// Numbers of a precision, as 32-bit numbers that store them exactly.
+/// Numbers rounded to a precision. Each f32 is exactly the stored number.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rounded {
     /// The number format.
     pub precision: Precision,
     /// The numbers.
     pub numbers: Vec<f32>,
-    /// The distance of the rounded numbers from the originals.
+    /// The rounding error.
     pub error: RoundingError,
 }
 
-/// The distance of rounded numbers from the originals; all zero for 32 bits.
+/// The difference between rounded and original numbers. All fields are zero for 32 bits.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct RoundingError {
-    /// The largest |rounded - x| / |x| of numbers of at least 2^-14 = 6.1e-5, where halves have 11 bits. It is at most
-    /// 2^-11 = 4.9e-4, or 2^-10 for numbers rounded together, unless numbers were clamped.
+    /// The largest |rounded - x| / |x| for numbers of at least 2^-14 = 6.1e-5, where halves have 11 bits. It is at most
+    /// 2^-11 = 4.9e-4, or 2^-10 for numbers that were rounded together, unless numbers were clamped.
     pub relative: f64,
-    /// The largest |rounded - x| of smaller numbers, where the step of halves is 2^-24 = 6.0e-8.
+    /// The largest |rounded - x| for smaller numbers. The step of halves is 2^-24 = 6.0e-8 there.
     pub absolute_of_small: f64,
-    /// The number of values above 65504, the largest half, which were clamped to it.
+    /// The number of values above 65504, the largest half. They were clamped to it.
     pub clamped: u64,
-    /// The number of values nearer to zero than to any half, which became the smallest half of their sign.
+    /// The number of nonzero values that would round to zero. They became the smallest half with the same sign.
     pub raised: u64,
-    /// The displacement of the table's lobes, for textures of a table in 16 bits.
+    /// The displacement of the table's lobes. Only for textures of a table in 16 bits.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub displacement: Option<Displacement>,
 }
 
 impl RoundingError {
-    /// Records the rounding of a number.
+    /// Adds the rounding error of a number.
     fn add(&mut self, x: f32, rounded: f32) {
         let (exact, apart) = (f64::from(x).abs(), (f64::from(rounded) - f64::from(x)).abs());
         if x.abs() >= f16::MIN_POSITIVE.to_f32_const() {
@@ -56,7 +56,7 @@ impl RoundingError {
             absolute_of_small: self.absolute_of_small.max(other.absolute_of_small),
             clamped: self.clamped + other.clamped,
             raised: self.raised + other.raised,
-            // Textures of one table have the same displacement.
+            // All textures of one table have the same displacement.
             displacement: match (self.displacement, other.displacement) {
                 (Some(one), Some(other)) => {
                     Some(Displacement { mean: one.mean.max(other.mean), max: one.max.max(other.max) })
@@ -67,8 +67,9 @@ impl RoundingError {
     }
 }
 
-/// Rounds finite numbers to the nearest of a precision, ties to even. For halves, numbers above the largest half become
-/// the largest half, and only zero becomes zero. So small divisors and determinants of a table stay positive.
+/// Rounds finite numbers to the nearest number of a precision, with ties to even. For halves, numbers above the largest
+/// half become the largest half, and only zero becomes zero. Therefore small divisors and determinants of a table stay
+/// positive.
 #[must_use]
 pub fn round(numbers: &[f32], precision: Precision) -> Rounded {
     let mut error = RoundingError::default();
@@ -79,8 +80,8 @@ pub fn round(numbers: &[f32], precision: Precision) -> Rounded {
     Rounded { precision, numbers: rounded, error }
 }
 
-/// Rounds the numbers of a texture. For halves, numbers that were rounded together are used if they are next to the
-/// texture's numbers.
+/// Rounds the numbers of a texture. For halves, it uses the halves that were rounded together. If such a half is not a
+/// neighbour of its number, the nearest half replaces it.
 #[must_use]
 pub(super) fn round_texture(texture: &Texture, precision: Precision) -> Rounded {
     let chosen = texture.halves.as_ref().filter(|_| precision == Precision::F16);
@@ -91,7 +92,7 @@ pub(super) fn round_texture(texture: &Texture, precision: Precision) -> Rounded 
     Rounded { precision, numbers, error }
 }
 
-/// The half that was selected for a number, or the nearest half if the selected half is not a neighbour of the number.
+/// The half that was selected for a number. If it is not a neighbour of the number, the nearest half.
 fn take_half(x: f32, half: f32, error: &mut RoundingError) -> f32 {
     if neighbours(x).1 != Some(half) {
         return round_to_half(x, error);
@@ -116,7 +117,7 @@ fn round_to_half(x: f32, error: &mut RoundingError) -> f32 {
 }
 
 impl Rounded {
-    /// `single` for 32 bits, `half` for 16 bits.
+    /// Returns `single` for 32 bits and `half` for 16 bits.
     pub(super) fn either<T>(&self, single: T, half: T) -> T {
         if self.precision == Precision::F32 { single } else { half }
     }
@@ -127,7 +128,7 @@ impl Rounded {
         self.either(4, 2)
     }
 
-    /// The numbers as little-endian bytes, as in files and graphics interfaces.
+    /// The numbers as little-endian bytes, as in files and graphics APIs.
     #[must_use]
     pub fn little_endian(&self) -> Vec<u8> {
         match self.precision {
@@ -136,7 +137,7 @@ impl Rounded {
         }
     }
 
-    /// The bits of each number as a half. Exact for a precision of 16 bits.
+    /// The bits of each number as a half. Exact for 16-bit precision.
     pub fn half_bits(&self) -> impl Iterator<Item = u16> {
         self.numbers.iter().map(|x| f16::from_f32_const(*x).to_bits())
     }
@@ -173,13 +174,13 @@ mod tests {
         }
         let error = round(&[1e9, 1e-30, 1.0], Precision::F16).error;
         assert_eq!([error.clamped, error.raised], [1, 1]);
-        assert!(error.relative > 0.99, "a clamped number shows in the error: {error:?}");
+        assert!(error.relative > 0.99, "the error must include a clamped number: {error:?}");
         assert_eq!(round(&[1e9, 1e-30], Precision::F32).error, RoundingError::default());
     }
 
     proptest! {
         #[test]
-        fn the_error_is_what_eleven_bits_leave(x in prop::num::f32::NORMAL | prop::num::f32::SUBNORMAL) {
+        fn the_error_is_that_of_eleven_bits(x in prop::num::f32::NORMAL | prop::num::f32::SUBNORMAL) {
             let (half, error) = rounded(x);
             prop_assert!(half.is_finite() && half != 0.0 && half.signum() == x.signum());
             prop_assert_eq!(f16::from_f32_const(half).to_f32_const(), half, "not a half");
@@ -190,10 +191,10 @@ mod tests {
         }
 
         #[test]
-        fn in_range_the_nearest_is_taken(x in -60000.0_f32..60000.0) {
+        fn in_range_the_nearest_half_is_used(x in -60000.0_f32..60000.0) {
             let (half, _) = rounded(x);
             for neighbour in [half.next_up(), half.next_down()] {
-                // Both neighbouring halves differ by one in their bits.
+                // The bits of both neighbouring halves differ by one.
                 let bits = f16::from_f32_const(half).to_bits();
                 for bits in [bits.wrapping_add(1), bits.wrapping_sub(1)] {
                     let other = f16::from_bits(bits).to_f32_const();

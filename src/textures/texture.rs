@@ -2,35 +2,37 @@
 
 use super::halves::Halves;
 
-/// The most texels along one side.
+/// The largest number of texels along one side.
 const MOST_TEXELS: u32 = 1 << 16;
 
-/// A texture of 32-bit numbers. Its fields are public, so writers call [`Texture::check`] before they read them.
+/// A texture of 32-bit numbers. Its fields are public, so writers must call [`Texture::check`] before they read it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Texture {
-    /// The name in files and code: a letter, then letters, digits and underscores.
+    /// The name in files and code: a letter, followed by letters, digits and underscores.
     pub name: String,
     /// Texels along x.
     pub width: u32,
     /// Texels along y.
     pub height: u32,
-    /// Texels along z; 1 for a 2D texture.
+    /// Texels along z. It is 1 for a 2D texture.
     pub depth: u32,
-    /// Layers of an array; 1 for a texture that is not an array.
+    /// Layers of an array. It is 1 for a texture that is not an array.
     pub layers: u32,
     /// The names of a texel's channels, in order.
     pub channels: Vec<String>,
     /// The numbers: channel fastest, then x, y, z, layer.
     pub texels: Vec<f32>,
-    /// The numbers in 16 bits, if they were rounded together; `None` to round each number to the nearest half.
+    /// The numbers in 16 bits, if they were rounded together. `None` to round each number to the nearest half.
     pub halves: Option<Halves>,
 }
 
-/// The numbers are not a texture.
+/// The texture is invalid.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum TextureError {
-    /// The name is not possible in files or code.
-    #[error("name is «{name}»; a texture's name is 1 to 64 ASCII letters, digits and underscores, a letter first")]
+    /// The name cannot be used in files or code.
+    #[error(
+        "name is «{name}»; a texture's name has 1 to 64 ASCII letters, digits and underscores, and starts with a letter"
+    )]
     Name {
         /// The name.
         name: String,
@@ -45,7 +47,7 @@ pub enum TextureError {
         /// The length of the side.
         value: u32,
     },
-    /// There is no channel, or a channel has no name or the same name as another.
+    /// There is no channel, or a channel has no name, or two channels have the same name.
     #[error("«{name}»: channels are {channels:?}; at least one is required, each with a different name")]
     Channels {
         /// The texture.
@@ -76,7 +78,7 @@ pub enum TextureError {
         channels: usize,
     },
     /// The number of halves differs from the number of values.
-    #[error("«{name}»: halves has {actual} numbers, texels {expected}")]
+    #[error("«{name}»: halves has {actual} numbers, but texels has {expected}")]
     Halves {
         /// The texture.
         name: String,
@@ -101,7 +103,7 @@ impl Texture {
     /// A 2D texture.
     ///
     /// # Errors
-    /// [`Self::check`] finds an error.
+    /// [`Self::check`] fails.
     pub fn flat(
         name: impl Into<String>,
         [width, height]: [u32; 2],
@@ -111,10 +113,10 @@ impl Texture {
         Self::new(name, [width, height, 1], 1, channels, texels)
     }
 
-    /// A texture of `[width, height, depth]` texels in each of `layers` layers.
+    /// A texture with `[width, height, depth]` texels in each of `layers` layers.
     ///
     /// # Errors
-    /// [`Self::check`] finds an error.
+    /// [`Self::check`] fails.
     pub fn new(
         name: impl Into<String>,
         [width, height, depth]: [u32; 3],
@@ -128,10 +130,10 @@ impl Texture {
         Ok(texture)
     }
 
-    /// Checks that name and channels can be written, the sizes match the numbers, and all numbers are finite.
+    /// Checks the names of the texture and its channels, the sizes, and that all numbers are finite.
     ///
     /// # Errors
-    /// The first field that is wrong.
+    /// The error of the first invalid field.
     pub fn check(&self) -> Result<(), TextureError> {
         let name = || self.name.clone();
         if !is_identifier(&self.name) {
@@ -174,8 +176,8 @@ impl Texture {
         }
     }
 
-    /// Lengths from the slowest index to the fastest, as for arrays in other programs: layers and depth only if there
-    /// are several, then height, width, channels.
+    /// Lengths from the slowest index to the fastest, like array shapes in other programs: layers and depth if there
+    /// are several, then height, width and channels.
     #[must_use]
     pub fn shape(&self) -> Vec<usize> {
         let several = [self.layers, self.depth].into_iter().filter(|n| *n > 1);
@@ -183,13 +185,13 @@ impl Texture {
         sides.chain([self.channels.len()]).collect()
     }
 
-    /// The numbers of each 2D slice: all depths of the first layer, then of the next layer.
+    /// The numbers of each 2D slice: all slices of the first layer, then those of the next layer.
     #[must_use]
     pub fn slices(&self) -> impl ExactSizeIterator<Item = &[f32]> {
         self.texels.chunks_exact(self.width as usize * self.height as usize * self.channels.len())
     }
 
-    /// The same texture with only the given channels, in the order of `channels`.
+    /// The texture with only these channels, in this order.
     ///
     /// # Errors
     /// [`TextureError::Channels`] if a channel is missing.
@@ -209,7 +211,7 @@ impl Texture {
     }
 }
 
-/// Whether a name is possible in files and in code of every language.
+/// Whether a name can be used in files and in the code of every language.
 fn is_identifier(name: &str) -> bool {
     name.len() <= 64
         && name.starts_with(|c: char| c.is_ascii_alphabetic())
@@ -238,7 +240,7 @@ mod tests {
             (|t| t.height = 4, "texels has 24 numbers; 2 x 4 x 1 texels, 2 layers and 2 channels need 32"),
             (
                 |t| t.halves = Some(Halves { numbers: vec![0.0; 3], displacement: Displacement::default() }),
-                "halves has 3 numbers, texels 24",
+                "halves has 3 numbers, but texels has 24",
             ),
             (|t| t.texels[5] = f32::NAN, "texels[5] is NaN"),
             (|t| t.texels[0] = f32::NEG_INFINITY, "texels[0] is -inf"),
@@ -253,14 +255,14 @@ mod tests {
     }
 
     #[test]
-    fn shapes_name_what_there_are_several_of() {
+    fn shapes_omit_layers_and_depth_of_one() {
         assert_eq!(planted().shape(), [2, 3, 2, 2]);
         assert_eq!(Texture::flat("t", [5, 4], &["r"], vec![0.0; 20]).expect("a texture").shape(), [4, 5, 1]);
         assert_eq!(Texture::new("t", [2, 3, 4], 1, &["r"], vec![0.0; 24]).expect("one").shape(), [4, 3, 2, 1]);
     }
 
     #[test]
-    fn channels_are_taken_by_name() {
+    fn channels_are_selected_by_name() {
         let only = planted().only(&["b"]).expect("a channel");
         assert_eq!(only.texels, planted().texels.iter().copied().skip(1).step_by(2).collect::<Vec<_>>());
         let numbers: Vec<f32> = (0_u8..24).map(|i| -f32::from(i)).collect();

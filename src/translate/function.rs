@@ -1,4 +1,4 @@
-//! An isotropic table's light as text to include, without any texture: the code contains the table's polynomials.
+//! A shader text for light by an isotropic table without textures: the code contains the table's polynomials.
 
 use std::fmt::Write as _;
 
@@ -11,7 +11,7 @@ use ltcforge_shaders::{
 /// The licences of the text and of a table's numbers.
 const LICENCE: &str = "(MIT OR Apache-2.0) AND CC0-1.0";
 
-/// The revision, raised when the light of a table changes.
+/// The revision. It is raised when the light of a table changes.
 const REVISION: u32 = 1;
 
 /// The first part of the comment: description, functions and use.
@@ -30,8 +30,8 @@ TABLE
 ";
 
 /// The functions in `language`, with the coefficients of `function`. The comment at the top ends with the lines
-/// `about`, which describe the table. `namespace` keeps the lights of several tables in one shader apart. There are no
-/// bindings.
+/// `about`, which describe the table. `namespace` avoids name conflicts between the lights of several tables in one
+/// shader. There are no bindings.
 ///
 /// # Errors
 /// [`PortError`] for SPIR-V, which has no text to include, or for a defect of the shaders or of naga.
@@ -43,7 +43,7 @@ pub fn include_function(
     additions: Additions,
     namespace: &Namespace,
 ) -> Result<String, PortError> {
-    // The text looks up the matrix, amplitude and Fresnel term of this layout.
+    // The shader text looks up the matrix, amplitude and Fresnel term of this layout.
     let lit_by = LitBy::from(Layout::Reflected).with(additions);
     let lit_by = lit_by.map_err(|error| PortError { language, reason: error.to_string() })?;
     let caller = lit_by.caller(Reading::default(), lights);
@@ -91,7 +91,7 @@ fn write_smooth_at(out: &mut String, function: &IsotropicFunction) -> std::fmt::
     writeln!(out, "    return LtcSmooth(shape * vec3({}), terms * vec3({}));\n}}", scale(0), scale(3))
 }
 
-/// The component of `LtcChebyshev` that has the polynomial of a degree.
+/// The component of `LtcChebyshev` that holds the polynomial of a degree.
 fn place(degree: usize) -> String {
     format!("{}.{}", ["low", "middle", "high"][degree / 4], ["x", "y", "z", "w"][degree % 4])
 }

@@ -1,14 +1,14 @@
-//! The shader as text to include: functions and bindings, without a program.
+//! The shader as text to include: functions and bindings, but no program.
 
 use super::{PortError, translation::translate_functions};
 use ltcforge_shaders::{GivenAxes, Language, Lights, LitBy, Namespace, Reading, functions, stamped};
 
-/// The functions in `language`, under a comment that explains calls, bindings and values to check a port against.
+/// The functions in `language`. A comment at the top explains calls, bindings, and values to check a port against.
 ///
-/// `reading` selects how entries of a table are read; models without a table ignore it. In WGSL, the constant
-/// `ltc_hardware_filter` selects the interpolation, so the text is the same for both filters. `namespace` keeps several
-/// texts in one shader apart; texts of different models need no namespace. `lights` selects the shapes of lights for
-/// tables of LTCs; other models ignore it.
+/// `reading` selects how entries of a table are read. Models without a table ignore it. In WGSL, the constant
+/// `ltc_hardware_filter` selects the interpolation, so the text is the same for both filters. `namespace` avoids
+/// conflicts between several texts in one shader. Texts of different models need no namespace. `lights` selects the
+/// shapes of lights for tables of LTCs. Other models ignore it.
 ///
 /// # Errors
 /// [`PortError`] for SPIR-V, which has no text to include, or for a defect of the shaders or of naga.
@@ -26,7 +26,7 @@ pub fn include(
     made(language, lit_by, reading, lights, namespace, &functions(lit_by, read, lights), &header)
 }
 
-/// The functions that read a table with listed nodes; `about` are lines that describe the table. Otherwise like
+/// The functions that read a table with listed nodes. The lines `about` describe the table. Otherwise like
 /// [`include()`].
 ///
 /// # Errors

@@ -3,8 +3,8 @@
 use super::{PortError, translation::translate_functions};
 use ltcforge_shaders::{Language, layers_comment, layers_source, stamped};
 
-/// The functions that combine a coat and fuzz with the layers below, in `language`, under a comment that explains them.
-/// Their names begin with `layers`. There are no bindings.
+/// The functions that combine a coat and fuzz with the layers below, in `language`. A comment at the top explains them.
+/// Their names start with `layers`. There are no bindings.
 ///
 /// # Errors
 /// [`PortError`] for SPIR-V, which has no text to include, or for a defect of the shader or of naga.
@@ -16,7 +16,7 @@ pub fn include_layers(language: Language) -> Result<String, PortError> {
 mod tests {
     use super::*;
 
-    /// naga validates each translation before it is written.
+    /// naga validates each translation before it is returned.
     #[test]
     fn every_language_has_the_functions() {
         for language in Language::ALL.iter().copied().filter(|language| language.has_includes()) {

@@ -1,6 +1,6 @@
-//! Shaders of `ltcforge-shaders` in the languages of other renderers.
+//! The shaders of `ltcforge-shaders` in the languages of other renderers.
 //!
-//! [`port()`] translates a shader with the example that calls it. [`include()`] leaves out the example, and
+//! [`port()`] translates a shader together with the example that calls it. [`include()`] omits the example, and
 //! [`include_function()`] replaces the table by polynomials. WGSL is returned as written, without naga.
 //!
 //! The printer writes GLSL, HLSL and MSL from a syntax tree of the WGSL. naga validates the WGSL and writes SPIR-V.

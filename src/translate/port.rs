@@ -1,4 +1,4 @@
-//! A shader for other renderers, in their language.
+//! A shader for other renderers, in one of their languages.
 
 use ltcforge_shaders::{Language, LitBy, stamped, wgsl};
 
@@ -7,8 +7,8 @@ use super::{
     translation::{program, spirv_program},
 };
 
-/// The shader in `language` that lights by a table of a layout, or without a table: UTF-8, or the words of SPIR-V in
-/// little-endian order.
+/// The shader in `language` for light by a table of a layout, or without a table. The bytes are UTF-8, or SPIR-V words
+/// in little-endian order.
 ///
 /// SPIR-V contains the comment in its `OpSource`.
 ///
@@ -25,7 +25,7 @@ pub fn port(language: Language, lit_by: impl Into<LitBy>) -> Result<Vec<u8>, Por
         return spirv_program(lit_by, &header).map_err(failed);
     }
     let body = program(language, lit_by).map_err(failed)?;
-    // OpenGL ES allows nothing before the version, not even a comment.
+    // OpenGL ES allows nothing before the version line, not even a comment.
     let (version, code) = match body.split_once('\n').filter(|(first, _)| first.starts_with("#version")) {
         Some((version, code)) => (format!("{version}\n"), code),
         None => (String::new(), body.as_str()),

@@ -1,10 +1,10 @@
-//! The prefilter of a picture on a light as text to include.
+//! The prefilter for a picture on a light, as text to include.
 
 use super::{PortError, translation::translate_functions};
 use ltcforge_shaders::{Language, prefilter_comment, prefilter_source, stamped};
 
-/// The functions that make the pyramid of a picture in several passes, in `language`, under a comment that explains
-/// them. Their names begin with `prefilter`. They read two textures.
+/// The functions that compute the pyramid of a picture in several passes, in `language`. A comment at the top explains
+/// them. Their names start with `prefilter`. They read two textures.
 ///
 /// # Errors
 /// [`PortError`] for SPIR-V, which has no text to include, or for a defect of the shader or of naga.
@@ -16,7 +16,7 @@ pub fn include_prefilter(language: Language) -> Result<String, PortError> {
 mod tests {
     use super::*;
 
-    /// naga validates each translation before it is written.
+    /// naga validates each translation before it is returned.
     #[test]
     fn every_language_has_the_passes() {
         let read = |language| match language {

@@ -1,11 +1,11 @@
-//! Prints WGSL in another language as a person would write it, with its names, comments and lines.
+//! Prints WGSL in another language, as a person would write it: with the same names, comments and lines.
 //!
-//! Declarations that the entry point uses are printed in the order of the source, but after the declarations they
-//! depend on. Code that both languages write alike is copied from the source, with its comments, blanks and line
-//! breaks.
+//! The declarations that the entry point uses are printed in the order of the source, but each declaration follows
+//! those that it depends on. Code that both languages write in the same way is copied from the source, with its
+//! comments, blanks and line breaks.
 //!
-//! Invariants: knows neither naga nor light models; equal arguments give equal bytes; a text that it does not
-//! understand gives an error with line and column, never a panic.
+//! Invariants: knows neither naga nor light models; equal arguments give equal bytes; unsupported source gives an error
+//! with line and column, never a panic.
 
 mod builtins;
 mod context;
@@ -27,16 +27,16 @@ use ltcforge_shaders::Language;
 use msl::Msl;
 use order::Order;
 
-/// The use of the entry point.
+/// The purpose of the entry point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Form {
-    /// It shows which functions to print, and is left out.
+    /// The entry point selects the functions to print, and is not printed itself.
     Include,
-    /// It is a compute shader.
+    /// The entry point is printed as a compute shader.
     Program,
 }
 
-/// The declarations of `source` that the entry point `entry` uses, in `language`. The error has line and column.
+/// Prints the declarations of `source` that the entry point `entry` uses, in `language`. Errors have line and column.
 pub(crate) fn printed(language: Language, source: &str, entry: &str, form: Form) -> Result<String, String> {
     let dialect: &dyn Dialect = match (language, form) {
         (Language::Glsl, Form::Include) => &Glsl::Desktop450,
@@ -87,7 +87,7 @@ fn module(source: &str, entry: &str, form: Form, dialect: &dyn Dialect) -> Resul
 
 /// The entry point of a program, which takes no parameters.
 fn program(context: &mut Context<'_>, name: &str, function: &Function) -> Result<String, Fault> {
-    // Its resources are parameters of the entry point in the dialect, not of this function.
+    // The dialect passes its resources to the printed entry point, not to this function.
     let read = context.read.remove(name).unwrap_or_default();
     let bound: Vec<(String, Slotted)> = read
         .into_iter()
@@ -97,7 +97,7 @@ fn program(context: &mut Context<'_>, name: &str, function: &Function) -> Result
     Ok(context.dialect.entry(name, &body, &bound))
 }
 
-/// `is_made`: whether the code constructs values of a structure from members.
+/// Prints a declaration. `is_made` is true if the code constructs values of the structure from members.
 fn declaration(context: &mut Context<'_>, item: &Item, is_made: bool) -> Result<Option<String>, Fault> {
     let name = &item.name;
     match &item.kind {
@@ -123,7 +123,7 @@ fn declaration(context: &mut Context<'_>, item: &Item, is_made: bool) -> Result<
             context.constants.insert(name.clone(), ty);
             Ok(Some(format!("{}{declared} = {};", context.dialect.constant(), piece.text)))
         }
-        ItemKind::Override => Err(Fault::new(item.span.start, format!("«{name}» has no value yet"))),
+        ItemKind::Override => Err(Fault::new(item.span.start, format!("the override «{name}» has no value"))),
         ItemKind::Global(_) if context.dialect.passes_what_is_bound() => Ok(None),
         ItemKind::Global(_) => {
             Ok(context.bound.get(name.as_str()).and_then(|slotted| context.dialect.global(name, slotted)))
@@ -136,7 +136,7 @@ fn declaration(context: &mut Context<'_>, item: &Item, is_made: bool) -> Result<
     }
 }
 
-/// The text with comments that begin with two slashes, as in all these languages.
+/// The text with comments that start with two slashes, as in all printed languages.
 fn commented(text: &str) -> String {
     let line = |line: &str| match line.trim_start().strip_prefix("///") {
         Some(rest) => format!("{}//{rest}\n", &line[..line.len() - line.trim_start().len()]),

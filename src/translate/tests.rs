@@ -9,7 +9,7 @@ use ltcforge_light::{LightModel, textured::Readings};
 use ltcforge_shaders::{Additions, Bound, CASES, Filter, Language, Lights, LitBy, Namespace, Reading};
 
 pub(super) fn lit_by(model: LightModel, layout: Option<Layout>) -> LitBy {
-    LitBy::new(model, layout).expect("a model that lights so")
+    LitBy::new(model, layout).expect("a model that supports this layout")
 }
 
 fn header(language: Language, layout: Layout) -> String {
@@ -29,14 +29,15 @@ fn text(language: Language, lit_by: impl Into<LitBy>) -> String {
     String::from_utf8(ported(language, lit_by)).expect("UTF-8")
 }
 
-/// The code without comments, and so without the header.
+/// The code without comments and header.
 fn code(text: &str) -> String {
     text.lines()
         .filter(|line| !line.trim_start().starts_with("//"))
         .fold(String::new(), |code, line| code + line + "\n")
 }
 
-/// Whether a text begins with a comment, after the `#version` line of GLSL. The digest in `header` has no value yet.
+/// Whether a text starts with a comment, after the `#version` line of GLSL. The digest in `header` is still a
+/// placeholder.
 fn begins_with(text: &str, header: &str) -> bool {
     let text = text.strip_prefix("#version").and_then(|rest| rest.split_once('\n')).map_or(text, |(_, below)| below);
     let (before, behind) = header.split_once("{digest}").expect("a digest");
@@ -44,7 +45,7 @@ fn begins_with(text: &str, header: &str) -> bool {
         .is_some_and(|rest| rest.split_at_checked(16).is_some_and(|(_, rest)| rest.starts_with(behind)))
 }
 
-/// The values in lines of a header that begin with `word`, in the order of the cases.
+/// The values in the lines of a header that start with `word`, in the order of the cases.
 fn numbers_after<'a>(text: &'a str, word: &'a str) -> impl Iterator<Item = Vec<f64>> + 'a {
     text.lines()
         .filter_map(move |line| line.trim_start_matches(['/', ' ']).strip_prefix(word))
@@ -74,7 +75,7 @@ fn every_language_has_header_and_functions_of_either_layout() {
     }
 }
 
-/// The light models without a table, each with its comment and its functions.
+/// The light models without a table. Each has its comment and its functions.
 fn without_a_table(language: Language) -> [(LitBy, String, &'static [&'static str]); 2] {
     [
         (lit_by(LightModel::Normals, None), lit_by(LightModel::Normals, None).comment(language), &NORMALS_FUNCTIONS),
@@ -130,7 +131,7 @@ fn every_language_has_the_shaders_without_a_table() {
 }
 
 #[test]
-fn languages_look_like_themselves() {
+fn each_language_has_its_own_syntax() {
     // GLSL has a fixed name for the entry point.
     let entries =
         [(Language::Glsl, "void main()"), (Language::Hlsl, "void ltc_example()"), (Language::Msl, "void ltc_example(")];
@@ -146,7 +147,7 @@ fn languages_look_like_themselves() {
 }
 
 #[test]
-fn the_version_of_glsl_stands_before_the_comment() {
+fn the_version_of_glsl_comes_before_the_comment() {
     for (language, version) in [(Language::Glsl, "#version 450"), (Language::GlslEs, "#version 310 es")] {
         assert!(text(language, lit_by(LightModel::Normals, None)).starts_with(version), "{}", language.name());
     }
@@ -202,7 +203,7 @@ fn spirv_is_words_that_begin_with_the_magic_number_and_hold_the_header() {
 }
 
 #[test]
-fn metal_and_opengl_bind_where_the_header_says() {
+fn metal_and_opengl_have_the_bindings_of_the_header() {
     let glsl = code(&text(Language::Glsl, Layout::Reflected));
     for line in [
         "layout(std140, binding = 0) uniform ",
@@ -232,7 +233,7 @@ fn the_same_arguments_give_the_same_bytes() {
 }
 
 #[test]
-fn the_header_prints_what_the_table_gives() {
+fn the_header_prints_the_values_of_the_table() {
     for &layout in Layout::ALL {
         let header = header(Language::Wgsl, layout);
         let matrices: Vec<_> = numbers_after(&header, "M ").filter(|numbers| numbers.len() == 9).collect();
@@ -249,7 +250,7 @@ fn the_header_prints_what_the_table_gives() {
 }
 
 #[test]
-fn the_cases_try_every_fold_and_the_light_matters_in_each() {
+fn the_cases_cover_every_fold_and_partly_cover_the_lobe() {
     assert!(CASES.iter().any(|case| case.alpha_y > case.alpha_x));
     assert!(CASES.iter().any(|case| case.wo[0] < 0.0) && CASES.iter().any(|case| case.wo[1] < 0.0));
     for (layout, case) in Layout::ALL.iter().flat_map(|layout| CASES.map(|case| (*layout, case))) {
@@ -260,7 +261,7 @@ fn the_cases_try_every_fold_and_the_light_matters_in_each() {
     }
 }
 
-/// Every text to include, by language and kind of light.
+/// Every shader text, by language and kind of light.
 fn includes() -> impl Iterator<Item = (Language, LitBy, String)> {
     let gaussian = lit_by(LightModel::Sg, None);
     let gaussian_table = lit_by(LightModel::Asg, Some(Layout::Reflected));
@@ -279,10 +280,10 @@ fn includes() -> impl Iterator<Item = (Language, LitBy, String)> {
 }
 
 #[test]
-fn what_is_included_has_functions_and_no_program() {
+fn texts_to_include_have_functions_and_no_program() {
     for (language, lit_by, text) in includes() {
         let name = language.name();
-        // The text of a rule has no such sections.
+        // The text for a rule does not have these sections.
         let has_sections = lit_by.rule().is_none();
         for word in ["FUNCTIONS", "USE"].into_iter().filter(|_| has_sections).chain(["MIT OR Apache-2.0", "CHECK"]) {
             assert!(text.contains(word), "{name}: {word}");
@@ -315,9 +316,9 @@ fn what_is_included_has_functions_and_no_program() {
     }
 }
 
-/// The text for polygons is the text for all lights without the other shapes.
+/// The text for polygons is the text for all lights, but without the other shapes.
 #[test]
-fn what_lights_by_polygons_alone_leaves_the_other_shapes_out() {
+fn texts_for_polygons_omit_the_other_shapes() {
     let texts = |language, lights| {
         let function = IsotropicFunction::of(&planted_isotropic(Layout::Reflected)).expect("a function");
         [
@@ -345,7 +346,7 @@ fn what_lights_by_polygons_alone_leaves_the_other_shapes_out() {
 }
 
 #[test]
-fn what_is_included_binds_what_its_comment_says() {
+fn texts_to_include_have_the_bindings_of_their_comment() {
     let included_from = |language, filter, bound| {
         let reading = Reading { filter, bound, two_lobes: false };
         code(&include(language, Layout::Reflected, reading, Lights::All, &Namespace::default()).expect("a text"))

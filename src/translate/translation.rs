@@ -1,4 +1,4 @@
-//! From WGSL to other languages: naga validates and writes SPIR-V, `printer` writes the texts.
+//! Translates WGSL: naga validates it and writes SPIR-V, and `printer` writes the other languages.
 
 use naga::{
     Module, ShaderStage,
@@ -14,32 +14,32 @@ use super::{
 };
 use ltcforge_shaders::{Filter, Language, LitBy, ported, stamped};
 
-/// The pipeline constant that selects the interpolation.
+/// The pipeline constant that selects how entries are interpolated.
 const FILTER: &str = "ltc_hardware_filter";
 
-/// A program in a printed language. The error is naga's, or has line and column.
+/// A program in a printed language. Errors come from naga, or have line and column.
 pub(super) fn program(language: Language, lit_by: LitBy) -> Result<String, String> {
     let source = exact(lit_by)?;
     validated(&source)?;
     printed(language, &source, lit_by.shader().example, Form::Program)
 }
 
-/// A program as words of SPIR-V in little-endian order. It contains its source, with the comment `header`.
+/// A program as SPIR-V words in little-endian order. It contains its source, with the comment `header`.
 pub(super) fn spirv_program(lit_by: LitBy, header: &str) -> Result<Vec<u8>, String> {
     let source = stamped(header, &exact(lit_by)?);
     spirv(validated(&source)?, lit_by.shader().example, &source)
 }
 
-/// The program in WGSL that interpolates the entries of a table itself.
+/// The WGSL program in which the shader interpolates the entries of a table.
 fn exact(lit_by: LitBy) -> Result<String, String> {
     with_filter(&ported(lit_by), lit_by.layout().map(|_| Filter::Exact))
 }
 
-/// The fragment shader that calls every function of a text to include. The text does not contain it.
+/// The fragment shader that calls every function of a shader text. The text itself does not contain it.
 const CALLER: &str = "ltc_included";
 
-/// The functions of a WGSL module in `language`, without the fragment shader that calls them. `filter` is for shaders
-/// that read a table.
+/// The functions of a WGSL module in `language`, without the fragment shader that calls them. `filter` is only for
+/// shaders that read a table.
 pub(super) fn translate_functions(
     language: Language,
     source: &str,
@@ -54,7 +54,7 @@ pub(super) fn translate_functions(
     text.map_err(|reason| PortError { language, reason })
 }
 
-/// The text above the entry point, which comes last.
+/// The text above the entry point. The entry point is last.
 fn without_entry(whole: &str) -> Result<String, String> {
     let end = whole.rfind("@fragment\n").ok_or_else(|| format!("no {CALLER} in the text"))?;
     Ok(format!("{}\n", whole[..end].trim_end()))
@@ -85,7 +85,7 @@ fn validate(module: &Module) -> Result<ModuleInfo, String> {
 fn spirv(mut module: Module, entry: &str, source: &str) -> Result<Vec<u8>, String> {
     compact(&mut module, KeepUnused::No);
     let info = validate(&module)?;
-    // Many validators do not know WGSL as a source language yet.
+    // Many validators do not support WGSL as a source language yet.
     let language = spv::SourceLanguage::Unknown;
     let debug_info = spv::DebugInfo { source_code: source, file_name: "ltc.wgsl", language };
     let options = spv::Options {

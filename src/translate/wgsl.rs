@@ -1,8 +1,8 @@
 //! The subset of WGSL in which `shaders/` is written, as a syntax tree over its own text.
 //!
-//! Each node knows its place in the text. Comments and blanks are between nodes and stay in the text.
+//! Each node stores its position in the text. Comments and blanks are between nodes and stay in the text.
 //!
-//! Invariants: knows no other language; hostile text gives a [`Fault`], never a panic.
+//! Invariants: knows no other language; hostile source gives a [`Fault`], never a panic.
 
 mod fold;
 mod lexer;

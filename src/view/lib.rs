@@ -1,4 +1,4 @@
-//! Pictures: previews of tables, their numbers and errors, and the trade-off of speed and accuracy.
+//! Pictures of tables: previews, plots of their numbers and errors, and the trade-off between speed and accuracy.
 
 pub mod parameters;
 pub mod picture;

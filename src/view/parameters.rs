@@ -4,12 +4,12 @@
 
 use serde::Serialize;
 
-/// A parameter that was refused.
+/// A rejected parameter.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct ParameterFault {
-    /// Its name.
+    /// The parameter's name.
     pub parameter: String,
-    /// The fault, without the name.
+    /// The fault, without the parameter's name.
     pub detail: String,
 }
 
@@ -20,15 +20,15 @@ impl ParameterFault {
         Self { parameter: name.to_owned(), detail: detail.into() }
     }
 
-    /// The fault of a parameter that is given a second time.
+    /// The fault of a parameter that appears more than once.
     #[must_use]
     pub fn repeated(name: &str) -> Self {
         Self::new(name, "is given more than once")
     }
 }
 
-/// Passes each pair of a name and a text to `set`. Returns every fault: the texts that `set` refused, and the names
-/// that appear twice.
+/// Calls `set` with each (name, text) pair. Returns every fault: the texts that `set` rejected, and the names that
+/// appear more than once.
 pub fn read_pairs<'a>(
     pairs: impl IntoIterator<Item = (&'a str, &'a str)>,
     mut set: impl FnMut(&str, &str) -> Result<(), String>,

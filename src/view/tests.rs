@@ -1,18 +1,18 @@
-//! The decoder of compact forms in WGSL on the GPU, against the decoder in Rust.
+//! Compares the WGSL decoder of compact forms on the GPU with the Rust decoder.
 
 use super::preview::{GpuFailure, report_skipped, run_decoder};
 use ltcforge_files::compact::{decode, encode};
 use ltcforge_fit::{Layout, Table, testing::planted_isotropic};
 use ltcforge_textures::{About, CompactContainer, textures_of};
 
-/// The number in the module's header before `word`, such as ` bytes`, in the first line that contains `line`.
+/// The number before `word` (such as ` bytes`) in the header of the module, in the first line that contains `line`.
 fn stated(text: &str, line: &str, word: &str) -> u64 {
     let line = text.lines().find(|found| found.contains(line)).expect(line);
     let (before, _) = line.split_once(word).expect(word);
     before.split_whitespace().next_back().and_then(|number| number.parse().ok()).expect("a number")
 }
 
-/// A table with an edge, so that entries need corrections.
+/// A table with an edge, so that some entries need corrections.
 fn edged(layout: Layout) -> Table {
     let mut table = planted_isotropic(layout);
     let numbers = &mut table.matrix;
@@ -24,7 +24,7 @@ fn edged(layout: Layout) -> Table {
 }
 
 #[test]
-fn the_decoder_in_wgsl_makes_the_textures() {
+fn the_decoder_in_wgsl_rebuilds_the_textures() {
     for layout in [Layout::Reflected, Layout::Ltc2017] {
         let table = edged(layout);
         let bytes = encode(&table).expect("bytes");

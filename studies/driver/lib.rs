@@ -1,29 +1,30 @@
-//! Counts of a compute shader by the compiler of a Vulkan driver: `VK_KHR_pipeline_executable_properties`.
+//! Register and instruction counts of a compute shader, from the compiler of a Vulkan driver:
+//! `VK_KHR_pipeline_executable_properties`.
 //!
-//! Mesa's RADV compiles for an absent GPU if the environment variable [`FAMILY_VARIABLE`] names it before the driver is
-//! loaded. The counts are then equal on every machine with the same Mesa.
+//! Mesa's RADV can compile for a GPU that is not installed. The environment variable [`FAMILY_VARIABLE`] must name the
+//! GPU before the driver is loaded. The counts are equal on all machines with the same version of Mesa.
 
 use std::ffi::{CStr, CString};
 
 use ash::{khr::pipeline_executable_properties, vk};
 
-/// The environment variable that names the GPU for which RADV compiles without hardware.
+/// The environment variable that names the GPU for which RADV compiles. The GPU need not be installed.
 pub const FAMILY_VARIABLE: &str = "RADV_FORCE_FAMILY";
 
-/// The compiler's counts of a shader.
+/// The compiler's counts for a shader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Figures {
-    /// Vector registers of a thread.
+    /// Vector registers per thread.
     pub registers: u64,
-    /// The number of these registers that are kept in memory.
+    /// The number of these registers that are spilled to memory.
     pub spilled: u64,
     /// Instructions.
     pub instructions: u64,
-    /// Cycles of a group of threads, if nothing waits.
+    /// Cycles for a group of threads, without stalls.
     pub inverse_throughput: u64,
 }
 
-/// The use of a binding.
+/// The type of a binding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Resource {
     /// A uniform buffer.
@@ -36,7 +37,7 @@ pub enum Resource {
     Sampler,
 }
 
-/// The reason that there are no figures.
+/// The reason that no counts are available.
 #[derive(Debug, thiserror::Error)]
 pub enum DriverError {
     /// There is no loader, or no driver that compiles for the named GPU.
@@ -44,37 +45,37 @@ pub enum DriverError {
         "no driver reports costs: install Mesa's RADV (Debian: mesa-vulkan-drivers) and set {FAMILY_VARIABLE}, for example to navi21; {0}"
     )]
     Absent(String),
-    /// The driver refuses the shader.
+    /// The driver rejects the shader.
     #[error("{0}")]
     Refused(#[from] vk::Result),
-    /// The name of the entry point has a zero.
-    #[error("the name of the entry point has a zero in it")]
+    /// The name of the entry point contains a zero byte.
+    #[error("the name of the entry point contains a zero byte")]
     Name(#[from] std::ffi::NulError),
 }
 
-/// A device of RADV. Its objects live until the process ends.
+/// A RADV device. Its objects live until the process ends.
 pub struct Driver {
     device: ash::Device,
     statistics: pipeline_executable_properties::Device,
     name: String,
-    // The library of the functions above.
+    // The library that contains the functions above.
     _entry: ash::Entry,
 }
 
 impl Driver {
-    /// Opens the device of RADV for the named GPU.
+    /// Opens the RADV device for the GPU of [`FAMILY_VARIABLE`].
     ///
     /// # Errors
     /// [`DriverError::Absent`].
     pub fn open() -> Result<Self, DriverError> {
         let absent = |error: vk::Result| DriverError::Absent(error.to_string());
-        // SAFETY: the library that the system has under Vulkan's name is Vulkan's.
+        // SAFETY: the system's library with the name of Vulkan is Vulkan.
         let entry = unsafe { ash::Entry::load() }.map_err(|error| DriverError::Absent(error.to_string()))?;
         let application = vk::ApplicationInfo::default().api_version(vk::API_VERSION_1_2);
         let info = vk::InstanceCreateInfo::default().application_info(&application);
         // SAFETY: the data behind `info` lives until the call returns. This also holds for the calls below.
         let instance = unsafe { entry.create_instance(&info, None) }.map_err(absent)?;
-        // SAFETY: the instance was created above and not destroyed.
+        // SAFETY: the instance was created above and is not destroyed.
         let all = unsafe { instance.enumerate_physical_devices() }.map_err(absent)?;
         let Some((physical, name)) = all.into_iter().find_map(|physical| Some((physical, name(&instance, physical)?)))
         else {
@@ -84,7 +85,7 @@ impl Driver {
         let extensions = [pipeline_executable_properties::NAME.as_ptr()];
         let mut executable_info =
             vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default().pipeline_executable_info(true);
-        // Storage buffers of WGSL need this.
+        // WGSL storage buffers need this feature.
         let mut memory = vk::PhysicalDeviceVulkan12Features::default()
             .vulkan_memory_model(true)
             .vulkan_memory_model_device_scope(true);
@@ -96,13 +97,13 @@ impl Driver {
         Ok(Self { device, statistics, name, _entry: entry })
     }
 
-    /// The device and the driver's version.
+    /// The names of the device and of the driver's version.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The figures of an entry point of a compute shader in SPIR-V. Its resources are in group 0.
+    /// The counts for an entry point of a compute shader in SPIR-V. Its resources must be in group 0.
     ///
     /// # Errors
     /// [`DriverError::Refused`], [`DriverError::Name`].
@@ -124,8 +125,8 @@ impl Driver {
         let layout = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
         let module = vk::ShaderModuleCreateInfo::default().code(spirv);
         let device = &self.device;
-        // SAFETY: all handles are of this device, and all arguments live until the calls return. The objects live until
-        // the process ends, like the device.
+        // SAFETY: all handles belong to this device, and all arguments live until the calls return. The objects live
+        // until the process ends, like the device.
         unsafe {
             let sets = [device.create_descriptor_set_layout(&layout, None)?];
             let layout = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets);
@@ -141,7 +142,7 @@ impl Driver {
             let all = self.statistics.get_pipeline_executable_statistics(&executable)?;
             let figure = |name: &CStr| {
                 let found = all.iter().find(|figure| figure.name_as_c_str().is_ok_and(|other| other == name));
-                // All counts of RADV have this type.
+                // All RADV counts have this type.
                 found.map_or(0, |figure| figure.value.u64)
             };
             Ok(Figures {
@@ -154,11 +155,11 @@ impl Driver {
     }
 }
 
-/// The name of a device of RADV with the driver's version; `None` for a device of another driver.
+/// The name of a RADV device with the driver's version. `None` for a device of another driver.
 fn name(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<String> {
     let mut driver = vk::PhysicalDeviceDriverProperties::default();
     let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
-    // SAFETY: the device is of this instance.
+    // SAFETY: the device belongs to this instance.
     unsafe { instance.get_physical_device_properties2(physical, &mut properties) };
     let name = properties.properties.device_name_as_c_str().ok()?.to_string_lossy().into_owned();
     let version = driver.driver_info_as_c_str().ok()?.to_string_lossy().into_owned();

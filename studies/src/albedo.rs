@@ -1,4 +1,4 @@
-//! The numbers of `LOSS` in `src/light/albedo.rs`: a cubic for the part of light from everywhere that GGX loses.
+//! Finds the numbers of `LOSS` in `src/light/albedo.rs`: a cubic for the part of uniform light that GGX loses.
 
 use std::{f64::consts::FRAC_PI_2, fmt::Write as _};
 
@@ -14,22 +14,22 @@ use rayon::prelude::*;
 
 use crate::linear::solve;
 
-/// Surfaces of the search. Half as many are held out.
+/// Surfaces in the search. Half as many surfaces are held out.
 pub const PLACES: usize = 12_000;
-/// Samples of a lobe. The albedo is within 2e-4 of its limit.
+/// Samples of a lobe. With more samples, the albedo changes by less than 2e-4.
 const SAMPLES: usize = 4096;
-/// The lowest view of the search, in quarter turns: 89.9 degrees.
+/// The most grazing view in the search, in quarter turns: 89.9 degrees.
 const LOWEST: f64 = 89.9 / 90.0;
-/// The starts of the sequences of surfaces: for the search, and for the held-out surfaces.
+/// The starts of the two sequences of surfaces: for the search, and for the held-out surfaces.
 const STARTS: [[f64; 4]; 2] = [[0.5; 4], [0.137, 0.593, 0.871, 0.219]];
-/// Rounds of the search. Each raises the weights of large errors.
+/// Rounds of the search. Each round raises the weights of large errors.
 const ROUNDS: usize = 8;
-/// An error of this size has three times the weight in the next round.
+/// An error of at least this size triples the weight in the next round.
 const LARGE: f64 = 0.01;
-/// A constant on the diagonal of the mean normal equations, which keeps the numbers small.
+/// A constant on the diagonal of the mean normal equations. It keeps the numbers small.
 const RIDGE: f64 = 1e-8;
 
-/// A surface, a view, and the reflected part of light from everywhere.
+/// A surface, a view, and the directional albedo of the surface for this view.
 #[derive(Debug, Clone, Copy)]
 pub struct Place {
     alpha: [f64; 2],
@@ -38,14 +38,14 @@ pub struct Place {
 }
 
 impl Place {
-    /// The view's angle from the normal.
+    /// The angle between the view and the normal.
     fn theta(&self) -> f64 {
         self.wo[2].acos()
     }
 }
 
-/// Surfaces even in the square root of the larger alpha and in ratio, a third of them isotropic. Views are even in
-/// their angles. `held_out` selects another sequence.
+/// Surfaces, evenly spaced in the square root of the larger alpha and in the ratio. A third of them are isotropic.
+/// Views are evenly spaced in their angles. `held_out` selects the other sequence.
 #[must_use]
 pub fn places(count: usize, held_out: bool) -> Vec<Place> {
     let start = STARTS[usize::from(held_out)];
@@ -62,7 +62,7 @@ pub fn places(count: usize, held_out: bool) -> Vec<Place> {
     (0..count).into_par_iter().map(place).collect()
 }
 
-/// Errors of albedos: mean, 95th percentile, largest.
+/// Errors of albedos: mean, 95th percentile, and largest.
 #[must_use]
 pub fn errors(places: &[Place], of: impl Fn(&Place) -> f64) -> [f64; 3] {
     let mut errors: Vec<f64> = places.iter().map(|place| (of(place) - place.albedo).abs()).collect();
@@ -71,10 +71,10 @@ pub fn errors(places: &[Place], of: impl Fn(&Place) -> f64) -> [f64; 3] {
     [errors.iter().sum::<f64>() / count as f64, errors[count * 95 / 100], errors[count - 1]]
 }
 
-/// The numbers with the least weighted squares, with four decimals.
+/// The numbers with the least weighted sum of squared errors, rounded to four decimals.
 ///
 /// # Panics
-/// Never: the ridge makes the equations positive.
+/// Never: the ridge makes the equations positive definite.
 #[must_use]
 pub fn find(places: &[Place]) -> [f64; 31] {
     let rows: Vec<[f64; 31]> = places.iter().map(|place| factors(inputs(place.alpha, place.wo))).collect();
@@ -93,7 +93,7 @@ pub fn find(places: &[Place]) -> [f64; 31] {
             }
         }
         (0..31).for_each(|i| matrix[32 * i] += RIDGE);
-        let found = solve(matrix, right).expect("the ridge makes it positive");
+        let found = solve(matrix, right).expect("the ridge makes the matrix positive definite");
         numbers.iter_mut().zip(found).for_each(|(number, found)| *number = (found * 1e4).round() / 1e4);
         for ((row, place), weight) in rows.iter().zip(places).zip(&mut weights) {
             let error = (loss(row, &numbers) - (1.0 - place.albedo)).abs();
@@ -103,7 +103,7 @@ pub fn find(places: &[Place]) -> [f64; 31] {
     numbers
 }
 
-/// Errors of the cubic with these numbers.
+/// The errors of the cubic with these numbers.
 #[must_use]
 pub fn errors_of(places: &[Place], numbers: &[f64; 31]) -> [f64; 3] {
     errors(places, |place| (1.0 - loss(&factors(inputs(place.alpha, place.wo)), numbers)).clamp(0.2, 1.0))
@@ -113,7 +113,7 @@ fn loss(factors: &[f64; 31], numbers: &[f64; 31]) -> f64 {
     factors.iter().zip(numbers).map(|(factor, number)| factor * number).sum()
 }
 
-/// The numbers as `src/light/albedo.rs` has them.
+/// The numbers, as written in `src/light/albedo.rs`.
 #[must_use]
 pub fn as_rust(numbers: &[f64; 31]) -> String {
     let rows = numbers
@@ -122,7 +122,7 @@ pub fn as_rust(numbers: &[f64; 31]) -> String {
     format!("pub const LOSS: [f64; 31] = [\n{}];", rows.collect::<String>())
 }
 
-/// The numbers as `shaders/ltc_albedo.wgsl` has them: the quadratics that come with s, a and b.
+/// The numbers, as written in `shaders/ltc_albedo.wgsl`: the quadratics for s, a and b.
 #[must_use]
 pub fn as_wgsl(n: &[f64; 31]) -> String {
     let dot = |range: std::ops::Range<usize>, with: &str| {
@@ -141,7 +141,7 @@ pub fn as_wgsl(n: &[f64; 31]) -> String {
     .concat()
 }
 
-/// The errors of the current and the found numbers on held-out surfaces, the found numbers, and [`materials`].
+/// The errors of the current and the found numbers on held-out surfaces, then the found numbers, then [`materials`].
 #[must_use]
 pub fn text(count: usize) -> String {
     let found = find(&places(count, false));
@@ -162,12 +162,13 @@ pub fn text(count: usize) -> String {
     out + &materials()
 }
 
-/// Views of a mean. They are even in the square of the cosine, which is the weight of light from everywhere.
+/// The number of views in a mean. Views are evenly spaced in the squared cosine, because uniform light weights a view
+/// by its cosine.
 const VIEWS: usize = 64;
 
-/// The tables of docs/materials.md: the part of a white sky that isotropic surfaces reflect, in one bounce, with the
-/// factor, and by the series of bounces of Kulla and Conty. For the mean albedo `A`, the series adds `f0^2 A / (1 - f0
-/// (1 - A))` of the light that one bounce loses.
+/// The tables of docs/materials.md: the part of a white sky that isotropic surfaces reflect. The columns are one
+/// bounce, one bounce with the factor, and the series of bounces of Kulla and Conty. For the mean albedo `A`, the
+/// series adds `f0^2 A / (1 - f0 (1 - A))` of the light that one bounce loses.
 ///
 /// # Panics
 /// Never: each surface and view is within bounds.

@@ -1,29 +1,31 @@
-//! `BULGE` of `src/light/normals/arcs.rs`: the distance beyond the chord at which the two arcs of half an edge meet.
+//! Finds `BULGE` of `src/light/normals/arcs.rs`. Two arcs replace half an edge, and `BULGE` is how far beyond the chord
+//! they meet.
 //!
-//! A search on a grid finds both numbers with the least mean error of V, the visible part, against the exact integrals.
+//! A grid search finds the two numbers of `BULGE` with the least mean error of V, the visible part, against the exact
+//! integrals.
 
 use ltcforge::light::normals::{BULGE, visible, visible_by_arcs};
 use rayon::prelude::*;
 
 use crate::lights::{Case, Kind, cases};
 
-/// Lights of the search. Some have long edges near the horizon.
+/// Kinds of lights in the search. Some lights have long edges near the horizon.
 const KINDS: [Kind; 5] = [Kind::Random, Kind::Anisotropic, Kind::Huge, Kind::Steep, Kind::Strip];
-/// First value, step and number of values of the grid, for each number.
+/// First value, step and number of values on the grid, for both numbers.
 const GRID: [(f64, f64, usize); 2] = [(2.5, 0.1, 16), (-0.6, 0.2, 14)];
 
 /// The result of a search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Found {
-    /// The best point of the grid.
+    /// The best point on the grid.
     pub bulge: [f64; 2],
     /// Mean errors of the current and the found numbers on the lights of the search.
     pub training: [f64; 2],
-    /// The mean errors on as many lights of another seed.
+    /// The same mean errors, on lights from another seed.
     pub held_out: [f64; 2],
 }
 
-/// Lights, each with V by the exact integrals.
+/// Lights, each with V from the exact integrals.
 struct Lights(Vec<(Case, f64)>);
 
 impl Lights {
@@ -36,7 +38,7 @@ impl Lights {
         Self(all.map(with_exact).collect())
     }
 
-    /// The mean error of V by arcs.
+    /// The mean error of V with arcs.
     fn error(&self, bulge: [f64; 2]) -> f64 {
         let error = |(Case { lit, .. }, exact): &(Case, f64)| {
             (visible_by_arcs(lit.alpha(), lit.wo(), &lit.vertices, bulge) - exact).abs()
@@ -46,7 +48,7 @@ impl Lights {
     }
 }
 
-/// Searches on `count` lights of each kind.
+/// Runs the search on `count` lights of each kind.
 #[must_use]
 pub fn find(count: usize, seed: u64) -> Found {
     let [training, held_out] = [seed, seed + 1].map(|seed| Lights::draw(count, seed));

@@ -1,5 +1,5 @@
-//! The tables of docs/accuracy.md and docs/lights.md: light from below the surface that models let through, and the
-//! error of a table's light with and without a cut at the surface.
+//! The tables of docs/accuracy.md and docs/lights.md: how much light from below the surface the models let through, and
+//! the error of a table's light with and without a cut at the surface.
 
 use std::{f64::consts::TAU, fmt::Write as _};
 
@@ -17,14 +17,14 @@ use crate::{
     tables::fitted,
 };
 
-/// Random surfaces for a view, and random lights of a row.
+/// The number of random surfaces per view, and of random lights per row.
 const COUNT: usize = 4000;
 /// The polar angles of the views, in degrees.
 const VIEWS: [f64; 6] = [0.0, 45.0, 60.0, 75.0, 85.0, 89.0];
 /// The start of the sequence of surfaces.
 const START: [f64; 4] = [0.5; 4];
 
-/// The models by name. The table has LTCs.
+/// The models with their names. The table stores LTCs.
 fn models(table: &Table) -> Vec<(String, Lighting<'_>)> {
     let mut models = vec![
         ("`ltc`, default table".to_owned(), Lighting::by(table)),
@@ -38,7 +38,7 @@ fn models(table: &Table) -> Vec<(String, Lighting<'_>)> {
     models
 }
 
-/// The reflected light of a ground that fills all directions below the surface: mean and greatest over the surfaces.
+/// The reflected light of a ground that fills all directions below the surface: mean and largest over the surfaces.
 fn through(model: Lighting<'_>, theta: f64, count: usize) -> [f64; 2] {
     let square = [[-1e4, -1e4, -1.0], [-1e4, 1e4, -1.0], [1e4, 1e4, -1.0], [1e4, -1e4, -1.0]].map(DVec3::from_array);
     let ground = PolygonLight::new(square.to_vec(), Sides::Two).expect("a light");
@@ -52,17 +52,17 @@ fn through(model: Lighting<'_>, theta: f64, count: usize) -> [f64; 2] {
     [found.iter().sum::<f64>() / count as f64, found.iter().copied().fold(0.0, f64::max)]
 }
 
-/// The tables, with a `part` of the surfaces and lights.
+/// The tables, measured with a `part` of the surfaces and lights.
 ///
 /// # Errors
-/// None, unless preset `paper` is not a recipe.
+/// None, because preset `paper` is a recipe.
 pub fn tables(part: f64) -> Result<String, ltcforge::Error> {
     let count = ((COUNT as f64 * part) as usize).max(20);
     let table = fitted(&Recipe::builder().preset(Preset::Paper).build()?);
     Ok(tables_of(&table, count))
 }
 
-/// The tables of a table of LTCs.
+/// The tables of the docs, measured with this table of LTCs.
 #[must_use]
 pub fn tables_of(table: &Table, count: usize) -> String {
     let mut out = String::new();

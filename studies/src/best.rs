@@ -1,6 +1,6 @@
-//! The error of tables against the best LTC at each configuration: the tables of README.md and docs/layouts.md.
+//! Compares tables with the best LTC at each configuration, for README.md and docs/layouts.md.
 //!
-//! The distance is the distance of a report, which shares no code and no samples with the fit.
+//! The distance is computed as in reports. It shares neither code nor samples with the fit.
 
 use std::{f64::consts::FRAC_PI_2, fmt::Write as _, path::Path};
 
@@ -16,13 +16,13 @@ use crate::{
     tables::{best, fitted, looked_up, materials},
 };
 
-/// Materials between the nodes, and isotropic materials.
+/// The number of materials between the nodes, and of isotropic materials.
 const MATERIALS: [usize; 2] = [400, 300];
-/// Nodes along each axis of the grid of KT et al. 2022. Every fifth node is measured.
+/// Nodes along each axis of the grid of KT et al. 2022. The study measures every fifth node.
 const GRID: u32 = 8;
 const EVERY: usize = 5;
 
-/// Places, and the errors of the best LTCs there.
+/// Configurations, and the errors of their best LTCs.
 struct Judged {
     places: Vec<Configuration>,
     best: Vec<Figures>,
@@ -65,20 +65,20 @@ impl Judged {
     }
 }
 
-/// A table against the best LTCs.
+/// A table compared with the best LTCs.
 #[derive(Debug, Clone, Copy)]
 pub struct Comparison {
-    /// Mean distance over the mean distance of the best LTCs, minus one.
+    /// Mean distance divided by the mean distance of the best LTCs, minus one.
     pub excess: f64,
-    /// Distance over the distance of the best LTC.
+    /// Distance divided by the distance of the best LTC.
     pub ratio: Spread,
-    /// Mean ratio where alpha is below 0.15.
+    /// Mean of `ratio` for alpha below 0.15.
     pub sharp: f64,
-    /// Mean ratio where theta is above 1.3.
+    /// Mean of `ratio` for theta above 1.3.
     pub grazing: f64,
-    /// The difference of the distances, relative to the lobe's width.
+    /// The difference between the distances, relative to the lobe's width.
     pub width: Spread,
-    /// Mean error of the energy in square lights.
+    /// Mean error of the energy of square lights.
     pub light: f64,
     /// Mean errors of amplitude and Fresnel term.
     pub terms: [Option<f64>; 2],
@@ -113,10 +113,11 @@ fn bytes(recipe: &Recipe) -> String {
     format!("{} KiB", (11 * number * recipe.entries() + 512) / 1024)
 }
 
-/// The presets' default tables, `draft` in `f16`, and a table in the published form of KT et al.
+/// Rows for the default tables of the presets, for preset `draft` in `f16`, and for a table in the published form of KT
+/// et al.
 ///
 /// # Errors
-/// A file that cannot be read or is not such a table.
+/// The file cannot be read, or is not a table in this form.
 pub fn presets(published: Option<&Path>) -> Result<String, Box<dyn std::error::Error>> {
     let judged = Judged::at(materials(MATERIALS[0], false));
     let mut out = HEAD.to_owned();
@@ -157,10 +158,10 @@ fn grid() -> Vec<Configuration> {
     (0..GRID.pow(4)).step_by(EVERY).map(node).collect()
 }
 
-/// Isotropic tables in the layouts of engines, at preset `standard`, and the textures that engines ship.
+/// Rows for isotropic tables in the layouts of engines, at preset `standard`, and for the textures that engines ship.
 ///
 /// # Errors
-/// Files that cannot be read.
+/// A file cannot be read.
 pub fn isotropic(shipped: Option<[&Path; 2]>) -> Result<String, Box<dyn std::error::Error>> {
     let judged = Judged::at(materials(MATERIALS[1], true));
     let mut out = HEAD.to_owned();
@@ -185,7 +186,7 @@ pub fn isotropic(shipped: Option<[&Path; 2]>) -> Result<String, Box<dyn std::err
     Ok(out)
 }
 
-/// The error of a table against the best LTCs at a few materials.
+/// Compares a table with the best LTCs at a few materials.
 #[must_use]
 pub fn compared(recipe: &Recipe, places: usize) -> Comparison {
     Judged::at(materials(places, false)).compare(&fitted(recipe))

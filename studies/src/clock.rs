@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-/// A point in time, with the processor time until then if the system reports it.
+/// A start time. It includes the processor time, if the system reports it.
 pub struct Clock {
     wall: Instant,
     counted: Counted,
@@ -32,7 +32,7 @@ impl Clock {
         Self { wall: Instant::now(), counted, then: processor_seconds(counted) }
     }
 
-    /// Processor seconds since then, or wall-clock seconds if the system does not report them.
+    /// Processor seconds since the start, or wall-clock seconds if the system does not report them.
     #[must_use]
     pub fn seconds(&self) -> f64 {
         let since = |then: f64| processor_seconds(self.counted).map(|now| now - then);
@@ -41,7 +41,7 @@ impl Clock {
 }
 
 #[cfg(unix)]
-#[expect(clippy::unnecessary_wraps, reason = "other systems have None")]
+#[expect(clippy::unnecessary_wraps, reason = "other systems return None")]
 fn processor_seconds(counted: Counted) -> Option<f64> {
     use rustix::time::{ClockId, clock_gettime};
     let time = clock_gettime(match counted {

@@ -1,8 +1,8 @@
-//! The seconds of a fit, as `fit_seconds` predicts them: constants of `src/fit/cost.rs`, `metric` and `solver`.
+//! Finds the constants that predict the seconds of a fit: in `src/fit/cost.rs`, `metric` and `solver`.
 //!
-//! The study measures each solver's fits of a few lobes at several samples and directions, in processor seconds of one
-//! thread. The constants have the least relative error. The speed of the machine changes all of them by one factor,
-//! which is printed with them. Only their proportions matter.
+//! For each solver, the study measures fits of a few lobes at several samples and directions, in processor seconds of
+//! one thread. It finds the constants with the least relative error. The speed of the machine scales all constants by
+//! one factor, which the study prints. Only their proportions matter.
 
 use std::{fmt::Write as _, ops::ControlFlow};
 
@@ -48,7 +48,7 @@ const CONSTANTS: [Constant; 11] = [
 const STEP_SAMPLING: Constant = constant!("STEP_SAMPLING", "cost.rs", 0);
 const POINT: Constant = constant!("POINT_SECONDS", "measure/effort.rs", 0);
 /// Evaluations of a fit by `bfgs`, of a fit by `nelder_mead`, and of a step of `nelder_mead`. These are conventions of
-/// the model, and define the seconds of an evaluation.
+/// the model. They define the seconds of an evaluation.
 const EVALUATIONS: [Constant; 3] = [
     constant!("EVALUATIONS", "solver/bfgs/mod.rs", 0),
     constant!("EVALUATIONS", "solver/nelder_mead/mod.rs", 0),
@@ -56,17 +56,17 @@ const EVALUATIONS: [Constant; 3] = [
 ];
 
 impl Constant {
-    /// The current value. NaN if the source has no such constant, which a test checks.
+    /// The current value. NaN if the source has no such constant. A test checks that it is not NaN.
     fn current(&self) -> f64 {
         number(self.source, self.name, self.index).unwrap_or(f64::NAN)
     }
 }
 
-/// Lobes of a measured fit. The table has no two equal lobes.
+/// Lobes per measured fit. No two lobes of the table are equal.
 const ISOTROPIC_LOBES: u32 = 9;
 const LOBES: u32 = 18;
 
-/// A fit to be measured.
+/// A fit to measure.
 #[derive(Debug, Clone, Copy)]
 struct Task {
     brdf: BrdfKind,
@@ -94,7 +94,7 @@ impl Task {
     }
 
     /// # Errors
-    /// Settings that are out of bounds.
+    /// The settings are out of bounds.
     fn recipe(&self) -> Result<Recipe, ltcforge::Error> {
         let Self { brdf, lobe, metric, solver, samples, directions, steps } = *self;
         let builder = Recipe::builder().brdf(brdf).lobe(lobe).metric(metric).solver(solver);
@@ -108,7 +108,7 @@ impl Task {
         builder.range("ratio", 0.3, 0.3).range("phi", 0.3, 1.2).resolution("phi", 2).build()
     }
 
-    /// The factor of each constant in the seconds of an entry.
+    /// The factor of each constant in the seconds of one entry.
     fn factors(&self) -> [f64; CONSTANTS.len()] {
         let [samples, directions, steps] = [self.samples, self.directions, self.steps].map(f64::from);
         let [bfgs, simplex, of_step] = EVALUATIONS.map(|constant| constant.current());
@@ -142,7 +142,7 @@ impl Task {
         ]
     }
 
-    /// Processor seconds of an entry: the least of `runs` runs.
+    /// Processor seconds of one entry: the least of `runs` runs.
     fn measure(&self, runs: usize) -> Result<f64, ltcforge::Error> {
         let lobes = if self.is_isotropic() { ISOTROPIC_LOBES } else { LOBES };
         Ok(seconds_of(&self.recipe()?, runs) / f64::from(lobes))
@@ -159,29 +159,29 @@ impl Task {
     }
 }
 
-/// Samples and directions of the fits, in all combinations: for finding the constants, and for testing them.
+/// Samples and directions of the fits, in all combinations. Some fits find the constants, and others test them.
 #[derive(Debug, Clone, Copy)]
 pub struct Efforts {
     /// The fits that find the constants.
     pub training: [&'static [u32]; 2],
     /// The fits that test the constants.
     pub held_out: [&'static [u32]; 2],
-    /// Runs of each fit. The shortest counts.
+    /// Runs of each fit. Only the shortest run counts.
     pub runs: usize,
 }
 
 impl Efforts {
-    /// The full study, half a minute.
+    /// The full study. It takes half a minute.
     pub const WHOLE: Self = Self { training: [&[128, 512, 4096], &[8, 64]], held_out: [&[256, 1024], &[32]], runs: 5 };
 }
 
-/// The fits of GGX.
+/// The fits for GGX.
 fn tasks([samples, directions]: [&'static [u32]; 2]) -> Vec<Task> {
     let grid = || samples.iter().flat_map(|s| directions.iter().map(|d| Task { samples: *s, directions: *d, ..USUAL }));
     let few = || samples.iter().map(|s| Task { samples: (*s).min(2048), ..USUAL });
     let mut tasks: Vec<Task> = grid().collect();
     tasks.extend(grid().map(|task| Task { solver: Solver::Sgd, steps: 10, ..task }));
-    // Fits with few steps show the time outside of the steps.
+    // Fits with few steps show the time spent outside the steps.
     tasks.extend(grid().map(|task| Task { solver: Solver::Sgd, steps: 1, ..task }));
     tasks.extend(few().map(|task| Task { metric: Metric::L3, ..task }));
     tasks.extend(few().map(|task| Task { metric: Metric::L3, solver: Solver::NelderMead, ..task }));
@@ -192,19 +192,19 @@ fn tasks([samples, directions]: [&'static [u32]; 2]) -> Vec<Task> {
     tasks
 }
 
-/// The found constants, with the errors of their seconds and of the seconds by the current constants.
+/// The found constants, and the errors of the seconds that the found and the current constants predict.
 #[derive(Debug, Clone)]
 struct Found {
-    /// The found constants, in the order of the printed table.
+    /// The found constants, ordered as in the printed table.
     constants: [f64; CONSTANTS.len()],
-    /// Relative errors of the training fits and of the held-out fits.
+    /// Relative errors for the training fits and for the held-out fits.
     relative_errors: [f64; 2],
-    /// Measured seconds over the seconds by the current constants, for every fit.
+    /// Measured seconds divided by the seconds that the current constants predict, for every fit.
     over_current: Vec<f64>,
 }
 
-/// Finds the constants from the seconds of each fit, by `seconds_of`. Calls `report` with the name, the measured and
-/// the predicted seconds of each.
+/// Finds the constants. `seconds_of` returns the seconds of a fit. Calls `report` for each fit, with its name and its
+/// measured and predicted seconds.
 fn find(
     efforts: &Efforts,
     seconds_of: impl Fn(&Task) -> Result<f64, ltcforge::Error>,
@@ -231,11 +231,11 @@ fn median(mut ratios: Vec<f64>) -> f64 {
     ratios[ratios.len() / 2]
 }
 
-/// The constants as text: the current values, the found values, and the found values at the speed of the current
+/// The constants as text: the current values, the found values, and the found values scaled to the speed of the current
 /// values.
 ///
 /// # Errors
-/// None, unless a fit's settings are out of bounds.
+/// None, because the settings of all fits are within bounds.
 pub fn text(efforts: &Efforts) -> Result<String, ltcforge::Error> {
     let runs = efforts.runs;
     let mut out =
@@ -272,7 +272,7 @@ pub fn text(efforts: &Efforts) -> Result<String, ltcforge::Error> {
     Ok(out)
 }
 
-/// Seconds of one configuration of a report, on all threads.
+/// Seconds per configuration of a report, on all threads.
 fn point_seconds() -> Result<f64, ltcforge::Error> {
     const POINTS: usize = 256;
     let table = fitted(&Recipe::builder().preset(ltcforge::Preset::Draft).build()?);
@@ -281,14 +281,15 @@ fn point_seconds() -> Result<f64, ltcforge::Error> {
     Ok(start.seconds() / POINTS as f64)
 }
 
-/// The cost of samples of other scattering models over GGX's, and their share of a step.
+/// The cost of samples for other scattering models relative to samples for GGX, and the share of these samples in a
+/// step.
 fn factors(runs: usize, constants: &[f64; 11]) -> Result<String, ltcforge::Error> {
     let few = Task { samples: 4096, directions: 4, steps: 1, ..USUAL };
     let sampling = constants[9] * f64::from(few.samples);
     let mut out = "\n| model | cost of its samples over GGX's |\n|---|---|\n".to_owned();
     let (mut beckmann, ggx_seconds) = (1.0, few.measure(runs)?);
     for brdf in BrdfKind::formulas().filter(|kind| *kind != BrdfKind::Ggx) {
-        // A model with only isotropic lobes is compared with isotropic lobes of GGX.
+        // A model with only isotropic lobes is compared with isotropic lobes for GGX.
         let ggx = if brdf.is_isotropic() { isotropic_ggx(&few, runs)? } else { ggx_seconds };
         let over = 1.0 + (Task { brdf, ..few }.measure(runs)? - ggx) / sampling;
         if brdf == BrdfKind::Beckmann {
@@ -308,7 +309,7 @@ fn factors(runs: usize, constants: &[f64; 11]) -> Result<String, ltcforge::Error
     Ok(out)
 }
 
-/// The seconds of a task for isotropic lobes of GGX.
+/// The seconds of a task with isotropic lobes for GGX.
 fn isotropic_ggx(task: &Task, runs: usize) -> Result<f64, ltcforge::Error> {
     let builder = Recipe::builder().samples(task.samples).directions(task.directions).steps(task.steps);
     let builder =
@@ -316,7 +317,7 @@ fn isotropic_ggx(task: &Task, runs: usize) -> Result<f64, ltcforge::Error> {
     Ok(seconds_of(&builder.isotropic().build()?, runs) / f64::from(ISOTROPIC_LOBES))
 }
 
-/// Processor seconds of a recipe's fits on one thread: the least of `runs` runs.
+/// Processor seconds of the fits of a recipe on one thread: the least of `runs` runs.
 fn seconds_of(recipe: &Recipe, runs: usize) -> f64 {
     let plan = Plan::new(recipe);
     let run = || {
@@ -333,7 +334,7 @@ fn seconds_of(recipe: &Recipe, runs: usize) -> f64 {
 mod tests {
     use super::*;
 
-    /// The study has the factors of the model: the current constants give `fit_seconds`.
+    /// The factors of the study agree with the model: with the current constants they give `fit_seconds`.
     #[test]
     fn the_current_constants_predict_the_seconds_of_the_model() {
         let current = CONSTANTS.map(|constant| constant.current());
@@ -344,7 +345,7 @@ mod tests {
         }
     }
 
-    /// The study finds the constants of a machine with other proportions.
+    /// The study can find the constants of a machine with other proportions.
     #[test]
     fn planted_seconds_give_planted_constants() {
         let mut planted = CONSTANTS.map(|constant| constant.current());
@@ -359,7 +360,7 @@ mod tests {
         }
     }
 
-    /// A fit takes more than zero seconds on every machine.
+    /// On every machine, a fit takes more than zero seconds.
     #[test]
     fn a_fit_takes_time() {
         let few = Task { samples: 64, directions: 4, steps: 1, ..USUAL };

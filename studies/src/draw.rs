@@ -1,4 +1,4 @@
-//! The random numbers from which studies draw surfaces and lights.
+//! The random numbers that studies use to draw surfaces and lights.
 
 use std::f64::consts::TAU;
 
@@ -6,7 +6,7 @@ use glam::DVec3;
 use rand_core::{Rng as _, SeedableRng as _};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// A sequence of random numbers. A seed gives the same numbers on every machine.
+/// A sequence of random numbers. The same seed gives the same numbers on every machine.
 pub(crate) struct Draw(Xoshiro256PlusPlus);
 
 impl Draw {

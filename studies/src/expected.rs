@@ -1,8 +1,8 @@
-//! The expected error of a table, as `expectation` predicts it from its recipe: numbers of `src/fit/expectation.rs`,
-//! the layouts, and the factors of scattering and lobe models.
+//! Finds the constants of the expected error of a table. `expectation` predicts it from the recipe. It uses the numbers
+//! of `src/fit/expectation.rs` and of the layouts, and the factors of scattering and lobe models.
 //!
-//! The study fits tables and measures `between.width.mean` of a report. The law is a sum of powers. Least squares of
-//! relative errors find its factors, and a grid search its two exponents. See docs/tradeoff.md.
+//! The study fits tables and measures `between.width.mean` of a report. The law is a sum of powers. Its factors come
+//! from least squares of relative errors, and its two exponents come from a grid search. See docs/tradeoff.md.
 
 use ltcforge::{
     BrdfKind, Layout, LobeModel, Preset, Recipe, RecipeDocument as _,
@@ -15,7 +15,7 @@ use crate::{
     tables::fitted,
 };
 
-/// The tried exponents: from, to, step.
+/// The exponents to try: first, last and step.
 const SAMPLES_EXPONENT: [f64; 3] = [0.8, 2.0, 0.1];
 const DIRECTIONS_EXPONENT: [f64; 3] = [1.0, 3.0, 0.5];
 const AXES: [&str; 4] = ["alpha", "ratio", "theta", "phi"];
@@ -23,12 +23,12 @@ const AXES: [&str; 4] = ["alpha", "ratio", "theta", "phi"];
 /// The limit, and the factors of alpha, ratio, theta, phi, samples and directions.
 pub type Numbers = [f64; 7];
 
-/// The numbers of a layout, and the exponents of samples and directions.
+/// The numbers of a layout, and the exponents for samples and directions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Law {
-    /// Factors.
+    /// The limit and the factors.
     pub numbers: Numbers,
-    /// Exponents of samples and of directions.
+    /// Exponents for samples and for directions.
     pub exponents: [f64; 2],
 }
 
@@ -54,13 +54,13 @@ impl Fitted {
         Measured { factors: [1.0, alpha, ratio, theta, phi, samples, directions], value: *error }
     }
 
-    /// Measured error over the error that the current constants predict.
+    /// Measured error divided by the error that the current constants predict.
     fn over_current(&self) -> f64 {
         self.error / expectation(&self.recipe).error
     }
 }
 
-/// A recipe of preset `draft` with other nodes on each axis and another effort.
+/// A recipe based on preset `draft`, with other nodes on each axis and another effort.
 fn recipe(layout: Layout, nodes: [u32; 4], samples: u32, directions: u32) -> Result<Recipe, ltcforge::Error> {
     let builder = Recipe::builder().preset(Preset::Draft).layout(layout).samples(samples).directions(directions);
     let isotropic = layout.only_ranges().is_some();
@@ -74,12 +74,12 @@ fn nodes_of(layout: Layout) -> Result<[u32; 4], ltcforge::Error> {
     Ok([nodes.alpha, nodes.ratio, nodes.theta, nodes.phi])
 }
 
-/// The extent of the study.
+/// The extent of a study.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extent {
-    /// Points at which each table is measured.
+    /// Configurations at which each table is measured.
     pub points: usize,
-    /// Factors on the default numbers of nodes, for all axes together and for one axis at a time.
+    /// Factors on the default numbers of nodes. They apply to all axes together, and to one axis at a time.
     pub scales: &'static [f64],
     /// Samples and directions, in all combinations.
     pub efforts: [&'static [u32]; 2],
@@ -88,19 +88,19 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// The full study, some minutes on two cores.
+    /// The full study. It takes some minutes on two cores.
     pub const WHOLE: Self = Self {
         points: 512,
         scales: &[0.4, 0.6, 0.8, 1.25, 1.6],
         efforts: [&[64, 128, 256, 512, 1024], &[4, 8, 16, 32]],
         isotropic: &[[12, 48], [24, 48], [48, 12], [48, 24], [16, 16], [32, 32], [64, 64]],
     };
-    /// The study of tests, some seconds.
+    /// The study for tests. It takes some seconds.
     pub const SHORT: Self = Self { points: 96, scales: &[0.4, 0.6], efforts: [&[64, 192], &[4, 8]], isotropic: &[] };
 }
 
-/// The recipes of a layout with scaled nodes, on all axes and on one at a time. With `has_effort`, also with other
-/// efforts at the default nodes.
+/// The recipes of a layout with scaled nodes, on all axes and on one axis at a time. With `has_effort`, there are also
+/// recipes with other efforts at the default nodes.
 fn recipes(layout: Layout, extent: &Extent, has_effort: bool) -> Result<Vec<Recipe>, ltcforge::Error> {
     if layout.only_ranges().is_some() {
         let nodes = extent.isotropic.iter();
@@ -126,7 +126,7 @@ fn recipes(layout: Layout, extent: &Extent, has_effort: bool) -> Result<Vec<Reci
     Ok(found)
 }
 
-/// Recipes that are not used to find a law.
+/// Recipes that are not used in the search for a law.
 fn held_out(layout: Layout) -> Result<Vec<Recipe>, ltcforge::Error> {
     if layout.only_ranges().is_some() {
         return [[20, 50], [50, 20]].map(|n| recipe(layout, [n[0], 1, n[1], 1], 96, 8)).into_iter().collect();
@@ -143,10 +143,10 @@ fn tried([from, to, step]: [f64; 3]) -> impl Iterator<Item = f64> {
     (0..).map(move |i| from + step * f64::from(i)).take_while(move |x| *x < to + 0.5 * step)
 }
 
-/// The law of a layout whose tables were fitted with several efforts.
+/// The law of a layout with tables for several efforts.
 ///
 /// # Panics
-/// Never: there are exponents.
+/// Never: the list of exponents is not empty.
 fn with_exponents(tables: &[Fitted]) -> Law {
     let both = tried(SAMPLES_EXPONENT).flat_map(|s| tried(DIRECTIONS_EXPONENT).map(move |d| [s, d]));
     let laws = both.map(|exponents| {
@@ -157,7 +157,7 @@ fn with_exponents(tables: &[Fitted]) -> Law {
     laws.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, law)| law).expect("exponents to try")
 }
 
-/// The law of another layout, with the same laws of samples and directions.
+/// The law of another layout. Samples and directions have the same factors and exponents as in `law`.
 fn with_effort_of(law: &Law, tables: &[Fitted]) -> Law {
     let rest = tables.iter().map(|table| {
         let Measured { factors, value } = table.measured(law.exponents);
@@ -169,21 +169,22 @@ fn with_effort_of(law: &Law, tables: &[Fitted]) -> Law {
     Law { numbers: [limit, alpha, ratio, theta, phi, law.numbers[5], law.numbers[6]], exponents: law.exponents }
 }
 
-/// A law, with its errors and the errors of the current law on held-out tables: measured over expected.
+/// A law that the study found, and its test on held-out tables.
 #[derive(Debug, Clone)]
 pub struct Found {
     /// The layout.
     pub layout: Layout,
-    /// The constants found.
+    /// The found constants.
     pub law: Law,
-    /// Measured over expected for each held-out table: by the found constants, and by the constants in the sources.
+    /// Measured error divided by expected error for each held-out table: with the found constants, and with the
+    /// constants in the sources.
     pub held_out: Vec<[f64; 2]>,
 }
 
 /// Finds the laws of some layouts.
 ///
 /// # Errors
-/// None, unless a recipe is out of bounds.
+/// None, because all recipes are within bounds.
 pub fn find(layouts: &[Layout], extent: &Extent, mut report: impl FnMut(&Found)) -> Result<(), ltcforge::Error> {
     let first = with_exponents(&measured(recipes(Layout::Reflected, extent, true)?, extent.points));
     for layout in layouts {
@@ -200,8 +201,8 @@ pub fn find(layouts: &[Layout], extent: &Extent, mut report: impl FnMut(&Found))
     Ok(())
 }
 
-/// The factor of a scattering or lobe model: the error of its table over the expected error of an LTC of GGX, measured
-/// and by the current constants.
+/// The factor of a scattering or lobe model, found and current: the error of its table divided by the expected error of
+/// LTCs for GGX.
 fn factor(brdf: BrdfKind, lobe: LobeModel, points: usize) -> Result<[f64; 2], ltcforge::Error> {
     let layout = if brdf.follows_reflection() { Layout::Reflected } else { Layout::Kt2022 };
     let with = |brdf: BrdfKind, lobe: LobeModel, samples: u32, nodes: [u32; 4]| {
@@ -219,7 +220,7 @@ fn factor(brdf: BrdfKind, lobe: LobeModel, points: usize) -> Result<[f64; 2], lt
     for (nodes, samples) in tables {
         let recipe = with(brdf, lobe, samples, nodes)?;
         let expected = expectation(&recipe).error;
-        // The same recipe for GGX, with an isotropic range if the model is isotropic.
+        // The same recipe for GGX. It has an isotropic range if the model is isotropic.
         let ggx = Recipe::builder().preset(Preset::Draft).layout(layout).samples(samples);
         let ggx = if brdf.is_isotropic() { ggx.isotropic() } else { ggx };
         let axes = AXES.into_iter().zip(nodes).filter(|(_, n)| *n > 1);
@@ -236,11 +237,11 @@ const KT2022: &str = include_str!("../../src/fit/layout/kt2022.rs");
 const ISOTROPIC: &str = include_str!("../../src/fit/layout/isotropic.rs");
 const EXPECTATION: &str = include_str!("../../src/fit/expectation.rs");
 
-/// The layouts with their own numbers. Layouts `inverse` and `matrix33` have the numbers of `hdrp`.
+/// The layouts that have their own numbers. Layouts `inverse` and `matrix33` use those of `hdrp`.
 const LAYOUTS: [Layout; 6] =
     [Layout::Reflected, Layout::Kt2022, Layout::Ltc2017, Layout::Ltc2016, Layout::Godot, Layout::Hdrp];
 
-/// Passes the found and the current numbers to `line_of`, line by line, in the form of the sources.
+/// Calls `line_of` with the found and the current numbers, line by line, as written in the sources.
 ///
 /// # Errors
 /// The errors of [`find`].

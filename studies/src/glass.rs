@@ -7,11 +7,11 @@ use ltcforge_light::transmission::cases::{self, Set, f32_errors};
 
 use crate::markdown::short;
 
-/// Lights in a row of the first table, and in a cell of the second.
+/// Lights per row of the first table, and per cell of the second.
 const LIGHTS: [usize; 2] = [500, 4000];
 /// The tolerance of the quadrature.
 const TOLERANCE: f64 = 1e-7;
-/// The rows of the first table for each index.
+/// The rows of the first table, for each refractive index.
 const SETS: [(Set, &str); 7] = [
     (Set::Isotropic, "isotropic, alpha .05 to 1"),
     (Set::Anisotropic, "anisotropic, .05 to 1"),
@@ -21,7 +21,7 @@ const SETS: [(Set, &str); 7] = [
     (Set::Horizon, "clipped by `h.z > 0`"),
     (Set::Anywhere, "in any direction below"),
 ];
-/// The rows of the second table: names and ranges of the index.
+/// The rows of the second table: names and ranges of the refractive index.
 const INDICES: [(&str, [f64; 2]); 8] = [
     ("1.5", [1.5, 1.5]),
     ("1/1.5", [1.0 / 1.5, 1.0 / 1.5]),
@@ -35,7 +35,7 @@ const INDICES: [(&str, [f64; 2]); 8] = [
 /// The columns of the second table: ranges of alpha.
 const ALPHAS: [[f64; 2]; 4] = [[0.05, 1.0], [0.005, 0.05], [5e-4, 0.005], [1e-4, 5e-4]];
 
-/// The rows of errors against the quadrature. They take minutes.
+/// The rows with errors against the quadrature. They take minutes.
 #[must_use]
 pub fn errors() -> String {
     let mut rows = String::new();
@@ -56,7 +56,7 @@ pub fn errors() -> String {
     rows
 }
 
-/// The rows of differences between f32 and f64.
+/// The rows with differences between f32 and f64.
 #[must_use]
 pub fn differences() -> String {
     let row = |(name, etas): (&str, [f64; 2])| {

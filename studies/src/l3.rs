@@ -1,4 +1,4 @@
-//! The L3 distance between isotropic lobes of GGX and tables as engines read them: the tables of studies/isotropic.md.
+//! The L3 distance between isotropic GGX lobes and tables as engines read them, for studies/isotropic.md.
 
 use std::{fmt::Write as _, ops::ControlFlow, path::Path};
 
@@ -20,15 +20,15 @@ use crate::{
 };
 
 const MATERIALS: usize = 300;
-/// Points of either distribution at which both are compared, along each side of a square.
+/// Sample points per distribution, along each side of a square. The distributions are compared at these points.
 const SIDE: u32 = 283;
 /// Side of the textures that engines ship, in texels.
 const TEXELS: usize = 64;
-/// Bytes of a DDS header of Direct3D 9.
+/// Size of a Direct3D 9 DDS header in bytes.
 const HEADER: usize = 128;
 
-/// The L3 norm of the difference between a lobe of GGX and the LTC of `found` times its amplitude, over the norm of the
-/// lobe. It is metric `l3` with the amplitude of the table.
+/// The L3 norm of the difference between a GGX lobe and the LTC of `found` times its amplitude, divided by the norm of
+/// the lobe. It is metric `l3` with the amplitude of the table.
 ///
 /// Both distributions are sampled at the points of a square. By multiple importance sampling with the balance
 /// heuristic, the sum of `|f - g|^3 / (p_f + p_g)` is the integral of the cube. Only the LTC samples directions below
@@ -56,7 +56,8 @@ pub fn distance(at: &Configuration, found: &LookedUp, side: u32) -> f64 {
     (difference / norm).cbrt()
 }
 
-/// The stored form of `M`: the matrix or its inverse, over one of its elements or the length of its third column.
+/// The stored form of `M`: the matrix or its inverse, divided by one of its elements or by the length of its third
+/// column.
 #[derive(Debug, Clone, Copy)]
 struct Form {
     is_inverse: bool,
@@ -74,8 +75,8 @@ impl Form {
     }
 }
 
-/// Matrices and amplitudes over perceptual roughness and `sqrt(1 - cos theta)`, both even from 0 to 1, with bilinear
-/// interpolation as in engines.
+/// Matrices and amplitudes over perceptual roughness and `sqrt(1 - cos theta)`. Both coordinates are evenly spaced from
+/// 0 to 1, with bilinear interpolation as in engines.
 pub(crate) struct Sampled {
     side: usize,
     form: Form,
@@ -83,10 +84,10 @@ pub(crate) struct Sampled {
 }
 
 impl Sampled {
-    /// Reads the textures `LTC_1` and `LTC_2` of 2017: DDS with 64 x 64 texels of four halves.
+    /// Reads the textures `LTC_1` and `LTC_2` of 2017: DDS files with 64 x 64 texels of four halves.
     ///
     /// # Errors
-    /// A file that cannot be read or has another length.
+    /// A file cannot be read, or has another length.
     pub(crate) fn read([matrices, terms]: [&Path; 2]) -> Result<Self, Box<dyn std::error::Error>> {
         let texels = |path: &Path| -> Result<Vec<[f64; 4]>, Box<dyn std::error::Error>> {
             let bytes = std::fs::read(path)?;
@@ -104,7 +105,7 @@ impl Sampled {
         Ok(Self { side: TEXELS, form: Form { is_inverse: true, over: None }, nodes: nodes.collect() })
     }
 
-    /// The fitted entries in a form, sorted by alpha and then by theta.
+    /// The fitted entries in a stored form, sorted by alpha and then by theta.
     fn of(entries: &[FittedEntry], side: usize, form: Form) -> Self {
         let node = |x: usize, y: usize| {
             let entry = &entries[x * side + y];
@@ -142,7 +143,7 @@ impl Sampled {
     }
 }
 
-/// Distances of a table at each material.
+/// The distance of a table at each material.
 fn distances(lookup: impl Fn(&Configuration) -> LookedUp + Sync) -> Vec<f64> {
     materials(MATERIALS, true).par_iter().map(|at| distance(at, &lookup(at), SIDE)).collect()
 }
@@ -152,10 +153,10 @@ fn mean(x: impl Iterator<Item = f64>) -> f64 {
     sum / f64::from(count)
 }
 
-/// The fits of the first table: names and recipes.
+/// The fits of the first table, as names and recipes.
 ///
 /// # Errors
-/// None, unless one is not a recipe.
+/// None, because all of them are recipes.
 fn recipes() -> Result<[(&'static str, Recipe); 5], ltcforge::Error> {
     let with = |metric, solver| Recipe::builder().layout(Layout::Ltc2017).metric(metric).solver(solver).steps(60);
     let simplex = || with(Metric::L3, Solver::NelderMead).samples(512).directions(16);
@@ -168,10 +169,10 @@ fn recipes() -> Result<[(&'static str, Recipe); 5], ltcforge::Error> {
     ])
 }
 
-/// The tables, with or without the files that engines ship.
+/// The tables, with or without the textures that engines ship.
 ///
 /// # Errors
-/// Files that cannot be read.
+/// A file cannot be read.
 pub fn tables(shipped: Option<[&Path; 2]>) -> Result<String, Box<dyn std::error::Error>> {
     let of_shipped = shipped.map(Sampled::read).transpose()?.map(|shipped| distances(|at| shipped.lookup(at)));
     let mut out = "\
@@ -236,7 +237,7 @@ const FORMS: [(&str, Form); 7] = [
 /// The entries of the first fit, with `side` nodes on each axis.
 ///
 /// # Errors
-/// None, unless there are too few nodes.
+/// None, because there are enough nodes.
 fn entries(side: u32) -> Result<Vec<FittedEntry>, ltcforge::Error> {
     let builder = Recipe::builder().layout(Layout::Ltc2017).metric(Metric::L3).solver(Solver::NelderMead).steps(60);
     let builder = builder.samples(512).directions(16).resolution("alpha", side).resolution("theta", side);
@@ -244,7 +245,7 @@ fn entries(side: u32) -> Result<Vec<FittedEntry>, ltcforge::Error> {
     fit_entries(&plan, &|_| ControlFlow::Continue(())).ok_or(ltcforge::Error::Stopped)
 }
 
-/// The mean distance of a table at a few materials.
+/// The mean distance of a table over a few materials.
 #[must_use]
 pub fn mean_distance(table: &Table, places: usize, side: u32) -> f64 {
     mean(materials(places, true).iter().map(|at| distance(at, &table.lookup(at), side)))
@@ -254,7 +255,7 @@ pub fn mean_distance(table: &Table, places: usize, side: u32) -> f64 {
 mod tests {
     use super::*;
 
-    /// The distance does not depend on the number of points, for a lobe that no LTC equals.
+    /// For a lobe that no LTC equals, the distance does not depend on the number of points.
     #[test]
     fn the_integral_converges() {
         let at = Configuration { alpha_x: 0.1, alpha_y: 0.1, theta: 0.3, phi: 0.0 };

@@ -1,7 +1,7 @@
-//! The sources of constants in the code and of tables in the docs.
+//! Finds constants of the code, and prints tables of the docs.
 //!
-//! Each study has a generator of cases, an objective and held-out cases. All are seeded. studies/README.md has the
-//! commands.
+//! Each study has a generator of cases, an objective and held-out cases. All of them are seeded. The commands are in
+//! studies/README.md.
 
 pub mod albedo;
 pub mod arcs;

@@ -1,5 +1,5 @@
-//! Errors of models of light, for docs/accuracy.md, lights.md, recipe.md and tradeoff.md: tables and closed forms by
-//! random lights, and the methods of engines and papers by the lights of `ltcforge tradeoff`.
+//! Errors of light models, for docs/accuracy.md, lights.md, recipe.md and tradeoff.md. Tables and closed forms are
+//! measured with random lights. Methods of engines and papers are measured with the lights of `ltcforge tradeoff`.
 
 use std::{error::Error, fmt::Write as _, fs, path::Path};
 
@@ -17,16 +17,16 @@ use ltcforge::{
 
 use crate::{markdown::short, tables::fitted};
 
-/// Reflectances F0 of the materials, in addition to a perfect metal.
+/// F0 of the materials, in addition to a perfect metal.
 const MATERIALS: [f64; 2] = [0.2, 0.04];
 
-/// Rows of errors of a table, if its file is given, and of each closed form of `model`, by the same `count` lights
-/// within the table's range. A table with two lobes has a row for each of their uses. The columns are the mean, 95th
-/// percentile and largest error, and the mean relative to the mean light that a material reflects, for an F0 of 1, .2
-/// and .04.
+/// Rows with errors of a table, if its file is given, and of each closed form of `model`. All use the same `count`
+/// lights within the table's range. A table with two lobes has a row for each way to use them. The columns are the
+/// mean, 95th percentile and largest error. Three more columns divide the mean error by the mean light that a material
+/// reflects, for an F0 of 1, .2 and .04.
 ///
 /// # Errors
-/// The errors of the file and of its light.
+/// The file cannot be read, or its light cannot be computed.
 pub fn rows(table: Option<&Path>, model: LightModel, count: usize) -> Result<String, Box<dyn Error>> {
     let read = table.map(read).transpose()?;
     let ggx = BrdfModel::from(BrdfKind::Ggx);
@@ -65,7 +65,8 @@ pub fn rows(table: Option<&Path>, model: LightModel, count: usize) -> Result<Str
 
 type TableAndRanges = (Table, PerAxis<[f64; 2]>);
 
-/// Reads the table in a file of `ltcforge fit`, and its ranges. The file of a tabulated BRDF is next to it.
+/// Reads a table from a file of `ltcforge fit`, with its ranges. If the BRDF is tabulated, its file must be next to the
+/// table.
 fn read(path: &Path) -> Result<TableAndRanges, Box<dyn Error>> {
     let mut file = container::decode(&fs::read(path)?)?;
     let folder = path.parent().unwrap_or(Path::new(".")).to_owned();
@@ -73,11 +74,11 @@ fn read(path: &Path) -> Result<TableAndRanges, Box<dyn Error>> {
     Ok((file.table, file.recipe.range))
 }
 
-/// A row for each method of engines and papers: errors by the lights of `tradeoff`, registers and instructions. Its
+/// A row for each method of engines and papers: errors with the lights of `tradeoff`, registers and instructions. The
 /// tables cover the whole domain.
 ///
 /// # Errors
-/// None: every method has its table.
+/// None, because every method has its table.
 pub fn engines(effort: Preset) -> Result<String, Box<dyn Error>> {
     let FitSettings { samples, directions, steps, .. } = effort.fit();
     let lights = RandomLights::draw(&BrdfKind::Ggx.into(), &Recipe::builder().build()?.range, LIGHTS)?;
@@ -106,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn more_normals_are_nearer_and_a_gaussian_is_farther() {
+    fn better_rules_have_smaller_errors_and_a_gaussian_has_larger_errors() {
         let normals = rows(None, LightModel::Normals, 60).expect("rows");
         let errors: Vec<f64> = normals.lines().skip(4).map(mean).collect();
         let [balanced, fast, fine, _exact] = errors[..] else { panic!("{normals}") };
@@ -118,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn engines_are_off_by_more_than_normals() {
+    fn engines_have_larger_errors_than_normals() {
         let text = engines(Preset::Draft).expect("rows");
         let errors: Vec<f64> = text.lines().skip(2).map(mean).collect();
         let [clipless, stretched, own, point] = errors[..] else { panic!("{text}") };

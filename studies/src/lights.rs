@@ -1,5 +1,5 @@
-//! Random surfaces and polygon lights of several kinds, and their light reflected by GGX. A seed gives the same cases
-//! in every run.
+//! Random surfaces and polygon lights of several kinds, with their true light reflected by GGX. The same seed gives the
+//! same cases in every run.
 
 use std::f64::consts::TAU;
 
@@ -16,12 +16,12 @@ use rayon::prelude::*;
 
 use crate::draw::Draw;
 
-/// The truth's tolerance: a thirtieth of the mean error of the best model.
+/// The tolerance of the true light: a thirtieth of the mean error of the best model.
 const TOLERANCE: f64 = 1e-5;
-/// The tolerance for kinds with very sharp lobes, which a larger tolerance could miss.
+/// The tolerance for kinds with very sharp lobes. With a larger tolerance, the quadrature could miss them.
 const TOLERANCE_OF_EXTREMES: f64 = TRUTH_TOLERANCE;
 
-/// The distributions from which a case's surface, view and light are drawn.
+/// The kinds of cases. Each has its own distribution of surface, view and light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
     /// Any surface, and a rectangle at distance one around a direction that the lobe reflects. Half its side is 0.05 to
@@ -29,23 +29,23 @@ pub enum Kind {
     Random,
     /// `Random` with alpha 0.1 to 0.6 and ratio 0.03 to 0.23.
     Anisotropic,
-    /// Rectangles of 50 radii, which fill nearly half of all directions.
+    /// Rectangles with half sides of 50, which fill nearly half of all directions.
     Huge,
-    /// Alpha and ratio over decades, sizes from 0.002 to 50, views to 89.9 degrees.
+    /// Alpha and ratio over several decades, sizes from 0.002 to 50, and views up to 89.9 degrees.
     Extreme,
     /// An upright wall opposite the viewer. The middle of its lower edge is `foot` times its height above the surface.
-    /// One end of the edge is `tilt` times the height higher, and the other end lower.
+    /// One end of this edge is `tilt` times the height higher, and the other end is lower.
     Wall {
         /// Height of the lower edge's middle.
         foot: f64,
         /// Height of one end of the lower edge above its middle.
         tilt: f64,
     },
-    /// Walls with any foot from -0.1 to 0.25 and any tilt to 0.05.
+    /// Walls with any foot from -0.1 to 0.25 and any tilt up to 0.05.
     NearHorizon,
-    /// Large walls that are far wider than high or far higher than wide: floors and ceilings as seen from a wall.
+    /// Large walls that are far wider than high, or far higher than wide, like floors and ceilings seen from a wall.
     Floor,
-    /// A rectangle that surrounds a point close to it.
+    /// A rectangle around a point, with its plane close to the point.
     Around,
     /// Rectangles at least twenty times as long as wide.
     Sliver,
@@ -53,18 +53,18 @@ pub enum Kind {
     Grazing,
     /// Views from 80 to 89 degrees.
     Steep,
-    /// Low, wide walls on the surface, opposite the viewer: strips of light on a floor.
+    /// Low, wide walls on the surface opposite the viewer, like strips of light on a floor.
     Strip,
     /// Alpha from 0.01 to 0.05.
     Sharp,
-    /// Rectangles whose middle is about as high as the horizon.
+    /// Rectangles with their centre about as high as the horizon.
     Across,
     /// Rectangles with an angular size of 0.3 to 3 degrees.
     Tiny,
 }
 
 impl Kind {
-    /// The kinds that the search of networks uses.
+    /// The kinds that the search for networks uses.
     pub const ALL: [Self; 15] = [
         Self::Random,
         Self::Anisotropic,
@@ -83,7 +83,7 @@ impl Kind {
         Self::Tiny,
     ];
 
-    /// Its name in tables.
+    /// The name of the kind in tables.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -111,7 +111,7 @@ impl Kind {
 pub struct Lit {
     /// The surface and the view.
     pub at: Configuration,
-    /// The vertices around the shaded point.
+    /// The vertices relative to the shaded point.
     pub vertices: Vec<[f64; 3]>,
 }
 
@@ -137,12 +137,12 @@ impl Lit {
     }
 }
 
-/// A light and its light reflected by GGX: for a Fresnel factor of one, and weighted by Schlick's fifth power.
+/// A light, and its true light reflected by GGX: for a Fresnel factor of one, and weighted by Schlick's fifth power.
 #[derive(Debug, Clone)]
 pub struct Case {
     /// The surface and the light.
     pub lit: Lit,
-    /// The true light.
+    /// The true reflected light.
     pub truth: [f64; 2],
 }
 
@@ -159,7 +159,7 @@ pub fn cases(kind: Kind, seed: u64, count: usize) -> Vec<Case> {
     lights.into_par_iter().map(case).collect()
 }
 
-/// Absolute errors over cases: mean, 95th percentile, largest.
+/// Absolute errors over cases.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
     /// Mean error.
@@ -183,7 +183,7 @@ impl Spread {
     }
 }
 
-/// Errors of the energy and of Schlick's part by `reflected`.
+/// Errors of the energy and of Schlick's part, for the function `reflected`.
 #[must_use]
 pub fn errors(cases: &[Case], reflected: impl Fn(&Lit) -> [f64; 2] + Sync) -> [Spread; 2] {
     let both: Vec<[f64; 2]> = cases
@@ -203,9 +203,9 @@ struct Generator(Draw);
 struct Surfaces {
     alpha: fn(&mut Generator) -> f64,
     ratio: fn(&mut Generator) -> f64,
-    /// Least smaller roughness.
+    /// Least value of the smaller roughness.
     least: f64,
-    /// Theta in degrees.
+    /// Range of theta in degrees.
     theta: [f64; 2],
 }
 
@@ -228,7 +228,7 @@ const STEEP: Surfaces = Surfaces { theta: [80.0, 89.0], ..ALL };
 const SHARP: Surfaces =
     Surfaces { alpha: |draw| draw.0.within(0.01, 0.05), ratio: |draw| draw.0.within(0.2, 1.0), ..ALL };
 
-/// Half the width of a light at distance one, before one side is stretched by up to e and the other shrunk.
+/// Range of half the width of a light at distance one, before one side is stretched by up to e and the other is shrunk.
 const USUAL: [f64; 2] = [0.05, 1.2];
 
 impl Generator {
@@ -240,7 +240,7 @@ impl Generator {
         Configuration { alpha_x, alpha_y, theta: self.0.within(low, high), phi: self.0.within(0.0, TAU) }
     }
 
-    /// Draws until the rectangle is a valid light. Rounding may make a rectangle that is edge on concave.
+    /// Draws until the rectangle is a valid light. Rounding can make an edge-on rectangle concave.
     fn valid(&mut self, kind: Kind) -> (Lit, PolygonLight) {
         loop {
             let (at, vertices) = self.lit(kind);
@@ -296,7 +296,7 @@ impl Generator {
     }
 
     /// A rectangle at distance one around a direction that the lobe reflects. One side is up to `e^stretch` times
-    /// longer, and the other shorter.
+    /// longer, and the other is shorter by the same factor.
     fn around_lobe(&mut self, surfaces: &Surfaces, sizes: [f64; 2], stretch: f64) -> (Configuration, [DVec3; 4]) {
         loop {
             let at = self.configuration(surfaces);
@@ -312,7 +312,7 @@ impl Generator {
         }
     }
 
-    /// A rectangle around a place with these half sides, turned and tilted at random.
+    /// A rectangle around a point with these half sides, with random rotation and tilt.
     fn rectangle(&mut self, centre: DVec3, [width, height]: [f64; 2]) -> [DVec3; 4] {
         let normal = (0.5 * self.0.vector() - centre).normalize();
         let x = normal.cross(self.0.vector()).normalize();

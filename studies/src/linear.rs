@@ -1,22 +1,22 @@
-//! Least squares with numbers that are not negative.
+//! Non-negative least squares.
 
-/// One measurement: the factor of each number, and the measured sum.
+/// One measurement: a factor for each number, and the measured sum.
 #[derive(Debug, Clone)]
 pub struct Measured<const N: usize> {
-    /// Factor of each number.
+    /// The factor of each number.
     pub factors: [f64; N],
     /// The measured sum, above zero.
     pub value: f64,
 }
 
-/// The numbers of at least zero with the least sum of squared relative errors. Negative numbers become zero, the most
-/// negative first. A number whose factors are all zero is zero.
+/// The non-negative numbers with the least sum of squared relative errors. Negative numbers are set to zero one at a
+/// time, starting with the most negative. A number is zero if all its factors are zero.
 #[must_use]
 pub fn least_squares<const N: usize>(measured: &[Measured<N>]) -> [f64; N] {
     let mut free: Vec<usize> = (0..N).filter(|i| measured.iter().any(|measured| measured.factors[*i] != 0.0)).collect();
     loop {
         let column = |i: usize| measured.iter().map(move |m| m.factors[i] / m.value);
-        // Numbers differ by orders of magnitude, so each has its own unit.
+        // The numbers differ by orders of magnitude, so each has its own unit.
         let unit = |i: usize| column(i).map(|x| x * x).sum::<f64>().sqrt();
         let dot = |i: usize, j: usize| column(i).zip(column(j)).map(|(x, y)| x * y).sum::<f64>() / unit(i) / unit(j);
         let matrix = free.iter().flat_map(|i| free.iter().map(|j| dot(*i, *j)).collect::<Vec<_>>()).collect();
@@ -34,7 +34,8 @@ pub fn least_squares<const N: usize>(measured: &[Measured<N>]) -> [f64; N] {
     }
 }
 
-/// The solution of a symmetric positive system, row-major, by Cholesky's factors. `None` if it is not positive.
+/// The solution of a symmetric positive definite system in row-major order, by Cholesky decomposition. `None` if it is
+/// not positive definite.
 #[must_use]
 pub fn solve(mut matrix: Vec<f64>, mut right: Vec<f64>) -> Option<Vec<f64>> {
     let count = right.len();
@@ -67,7 +68,7 @@ pub fn predicted<const N: usize>(factors: &[f64; N], numbers: &[f64; N]) -> f64 
     factors.iter().zip(numbers).map(|(x, y)| x * y).sum()
 }
 
-/// Root of the mean square of relative errors.
+/// Root mean square of the relative errors.
 #[must_use]
 pub fn relative_error<const N: usize>(measured: &[Measured<N>], numbers: &[f64; N]) -> f64 {
     let error = |m: &Measured<N>| (predicted(&m.factors, numbers) / m.value - 1.0).powi(2);
@@ -79,7 +80,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn planted_numbers_are_found_and_none_is_negative() {
+    fn planted_numbers_are_found_and_no_number_is_negative() {
         let at = |value: fn(f64, f64) -> f64| -> Vec<Measured<4>> {
             let places = (1..8).flat_map(|x| (1..8).map(move |y| (f64::from(x), f64::from(y))));
             places.map(|(x, y)| Measured { factors: [1.0, 1e6 * x, 1e-6 * y, 0.0], value: value(x, y) }).collect()
@@ -92,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn systems_are_solved_and_those_that_are_not_positive_refused() {
+    fn systems_are_solved_if_they_are_positive_definite() {
         let found = solve(vec![4.0, 2.0, 2.0, 3.0], vec![10.0, 8.0]).expect("positive");
         assert!((found[0] - 1.75).abs() < 1e-12 && (found[1] - 1.5).abs() < 1e-12, "{found:?}");
         assert_eq!(solve(vec![1.0, 2.0, 2.0, 1.0], vec![1.0, 1.0]), None);

@@ -1,5 +1,4 @@
-//! Programs that find the constants of the sources, print tables of the docs and draw their figures. See
-//! studies/README.md.
+//! Programs that find constants of the sources, print tables of the docs and draw their figures. See studies/README.md.
 
 use std::{
     env,
@@ -33,12 +32,12 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Study {
-    /// Find the network of a rule of model `normals`: src/light/normals/numbers.rs and `shaders/normals_RULE.wgsl`
+    /// Find the network of a rule: src/light/normals/numbers.rs
     Networks {
         /// The rule: fast, balanced or fine
         #[arg(value_parser = rule)]
         rule: NormalsRule,
-        /// Lights of the search, and as many held-out lights
+        /// Lights in the search. As many are held out
         #[arg(long, default_value_t = 240_000)]
         lights: usize,
         /// Rounds over all lights
@@ -54,93 +53,91 @@ enum Study {
         #[arg(long)]
         current: bool,
     },
-    /// Find the distance of the arcs of an edge from its chord: `BULGE` of `src/light/normals/arcs.rs`
+    /// Find `BULGE` of src/light/normals/arcs.rs: arcs that replace edges
     Arcs {
-        /// Lights of each kind in the search, and as many held-out lights
+        /// Lights per kind in the search. As many are held out
         #[arg(long, default_value_t = 1500)]
         lights: usize,
         /// Seed of the lights
         #[arg(long, default_value_t = 1)]
         seed: u64,
     },
-    /// Find the prediction of a table's error: numbers of src/fit/expectation.rs and of the layouts
+    /// Find the constants that predict errors: src/fit/expectation.rs
     Expected,
-    /// Find the prediction of a fit's seconds: constants of src/fit/cost.rs, metrics and solvers
+    /// Find the constants that predict fit times: src/fit/cost.rs
     Costs,
-    /// Print the tables of docs/normals.md and docs/lights.md: model `normals` over random lights
+    /// Print errors of model `normals`: docs/normals.md, docs/lights.md
     Models,
-    /// Print errors of the light of a table or of closed forms: docs/accuracy.md, lights.md and recipe.md
+    /// Print errors of tables or closed forms: docs/accuracy.md
     Errors {
-        /// The file of a table by `ltcforge fit`
+        /// A table file from `ltcforge fit`
         table: Option<PathBuf>,
-        /// The model whose closed forms are measured with the same lights
+        /// The model whose closed forms are measured
         #[arg(long, value_parser = model, default_value = "ltc")]
         model: LightModel,
         /// Number of random lights
         #[arg(long, default_value_t = 2000)]
         lights: usize,
     },
-    /// Print errors of the methods of engines: rows of docs/tradeoff.md and README.md
+    /// Print errors of the methods of engines: docs/tradeoff.md
     Engines,
-    /// Print the table of README.md: tables compared with the best LTCs
+    /// Print tables compared with the best LTCs: README.md
     Best {
         /// A table in the published form of KT et al., .npy
         #[arg(long)]
         published: Option<PathBuf>,
-        /// Print the table of docs/layouts.md: isotropic tables of engines
+        /// Print isotropic tables of engines instead: docs/layouts.md
         #[arg(long)]
         isotropic: bool,
         /// The textures that engines ship, .dds: matrices and terms
         #[arg(long, num_args = 2, requires = "isotropic")]
         shipped: Option<Vec<PathBuf>>,
     },
-    /// Print the table of studies/isotropic.md: isotropic tables by the L3 distance
+    /// Print L3 distances of isotropic tables: studies/isotropic.md
     L3 {
         /// The textures that engines ship, .dds: matrices and terms
         #[arg(long, num_args = 2)]
         shipped: Option<Vec<PathBuf>>,
     },
-    /// Find the part of the light that GGX loses by shadowing: `LOSS` of `src/light/albedo.rs` and the numbers of
-    /// `shaders/ltc_albedo.wgsl`
+    /// Find `LOSS` of src/light/albedo.rs: light that GGX loses
     Albedo,
-    /// Print the tables of docs/accuracy.md and docs/lights.md: light from below the surface, and a cut there
+    /// Print light from below the surface: docs/accuracy.md, lights.md
     Below,
-    /// Find the polynomials of the shaders: `ltc_light.wgsl`, `ltc_quadrant.wgsl` and `normals_arcs*.wgsl`
+    /// Find the polynomials of the shaders
     Polynomials,
-    /// Find the parts of the levels of a light's picture: `OWN_PARTS` of `src/light/textured/pyramid.rs`, and the table
-    /// of docs/textured.md
+    /// Find `OWN_PARTS` of src/light/textured/pyramid.rs
     Prefilter,
-    /// Print the costs of shaders on a GPU: `src/shaders/gpu_cost.rs`. Needs Mesa's RADV, but no GPU
+    /// Print GPU costs of shaders. Needs Mesa's RADV, but no GPU
     GpuCosts {
-        /// The GPU for which to compile
+        /// The GPU to compile for
         #[arg(long, default_value = "navi21")]
         family: String,
     },
     /// Print the times of shaders on the GPU of this machine
     GpuTimes,
-    /// Print the tables of docs/textured.md: lights with a picture
+    /// Print errors of lights with a picture: docs/textured.md
     Textured {
-        /// Lights in a row
+        /// Lights per row
         #[arg(long, default_value_t = 900)]
         lights: usize,
-        /// Draw the scenes of docs/textured.md into this file instead of printing the table
+        /// Draw the scenes of docs/textured.md into this file instead
         #[arg(long, value_name = "FILE.png")]
         scenes: Option<PathBuf>,
-        /// Print the table of lights with a profile instead of pictures
+        /// Print errors of lights with a profile instead
         #[arg(long, conflicts_with = "scenes")]
         profiles: bool,
     },
-    /// Print the tables of docs/refraction.md: light through rough interfaces
+    /// Print errors of light through rough glass: docs/refraction.md
     Glass,
-    /// Print the table of docs/materials.md: the error of a BRDF as a file of numbers
+    /// Print errors of a BRDF given as numbers: docs/materials.md
     Tabulated,
-    /// Nine materials in truth, by a table and by model `normals`: docs/materials.png, and the errors
+    /// Draw nine materials and print their errors: docs/materials.png
     Materials {
         /// The picture
         #[arg(short, long, value_name = "FILE.png", default_value = "docs/materials.png")]
         out: PathBuf,
     },
-    /// Draw the figures of studies/figures.md, isotropic.md, gaussians.md and docs/refraction.md
+    /// Draw the figures of the studies and of docs/refraction.md
     Figures {
         /// Names of figures [default: all]
         #[arg(value_name = "NAME", value_parser = figure)]
@@ -212,7 +209,7 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
             }
         }
         Study::GpuCosts { family } => {
-            // RADV reads the variable when it is loaded, so the program starts itself again with the variable.
+            // RADV reads the variable when it is loaded. Therefore the program restarts itself with the variable set.
             if env::var_os(FAMILY_VARIABLE).is_none() {
                 let mut again = Command::new(env::current_exe()?);
                 let status = again.args(env::args_os().skip(1)).env(FAMILY_VARIABLE, family).status()?;

@@ -1,8 +1,8 @@
-//! The format of numbers in the docs.
+//! Number formats for the docs.
 
 use crate::lights::Spread;
 
-/// A number with `digits` significant digits, and no zero before the decimal point.
+/// A number with `digits` significant digits, without a zero before the decimal point.
 #[must_use]
 pub fn short(x: f64, digits: i32) -> String {
     if x == 0.0 {

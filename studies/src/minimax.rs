@@ -1,12 +1,13 @@
-//! The polynomials of tables' shaders and of `shaders/normals_arcs*.wgsl` that minimise the largest error.
+//! Finds the polynomials of the shaders for tables and of `shaders/normals_arcs*.wgsl`. They minimise the largest
+//! error.
 
-/// A function that a sum of terms approximates. Each term has a factor.
+/// A function that is approximated by a sum of terms. Each term has a factor.
 struct Approximation<const N: usize> {
     terms: fn(f64) -> [f64; N],
     function: fn(f64) -> f64,
 }
 
-/// The factors of a sum, and its largest error.
+/// The factors of a sum, with its largest error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sum {
     /// The factor of each term.
@@ -15,15 +16,15 @@ pub struct Sum {
     pub error: f64,
 }
 
-/// Places from 0 to 1 at which the error is computed. They are denser at the ends.
+/// Points from 0 to 1 at which the error is computed. They are denser near the ends.
 const PLACES: usize = 4001;
 const ROUNDS: usize = 40;
 
-/// Remez's exchange. Each round solves for an error that alternates between equal extremes at some places, and takes
-/// the actual extremes as the next places.
+/// Remez's exchange algorithm. Each round solves for an error that alternates between equal extremes at some points.
+/// The next round uses the points of the actual extremes.
 fn minimax<const N: usize>(goal: &Approximation<N>) -> Sum {
     let place = |i: usize| 0.5 - 0.5 * (std::f64::consts::PI * i as f64 / (PLACES - 1) as f64).cos();
-    // Quotients are 0 over 0 at the ends, so the ends are left out.
+    // The ends are excluded, because quotients there are 0 divided by 0.
     let places: Vec<f64> = (1..PLACES - 1).map(place).collect();
     let mut extremes: Vec<usize> = (0..=N).map(|i| i * (places.len() - 1) / N).collect();
     let mut sum = Sum { numbers: vec![0.0; N], error: f64::INFINITY };
@@ -32,7 +33,7 @@ fn minimax<const N: usize>(goal: &Approximation<N>) -> Sum {
         numbers.truncate(N);
         let errors: Vec<f64> = places.iter().map(|x| value(goal, &numbers, *x) - (goal.function)(*x)).collect();
         sum = Sum { numbers, error: errors.iter().fold(0.0, |most, error| most.max(error.abs())) };
-        // The largest error of each run of one sign.
+        // The position of the largest error in each run of errors with the same sign.
         let mut runs: Vec<usize> = Vec::new();
         for (i, error) in errors.iter().enumerate() {
             match runs.last_mut() {
@@ -44,7 +45,7 @@ fn minimax<const N: usize>(goal: &Approximation<N>) -> Sum {
                 _ => runs.push(i),
             }
         }
-        // Extremes with the least errors at the ends are removed until the number is right.
+        // Removes the smaller of the two outer extremes until `N + 1` extremes remain.
         while runs.len() > N + 1 {
             let (first, last) = (errors[runs[0]].abs(), errors[runs[runs.len() - 1]].abs());
             runs.remove(if first < last { 0 } else { runs.len() - 1 });
@@ -57,8 +58,8 @@ fn minimax<const N: usize>(goal: &Approximation<N>) -> Sum {
     sum
 }
 
-/// The factors for which the error at these places alternates with equal size, followed by this error. Solved by
-/// Gauss's elimination.
+/// The factors for which the error at these points alternates with equal size, followed by this error. Solved by
+/// Gaussian elimination.
 fn levelled<const N: usize>(goal: &Approximation<N>, places: impl Iterator<Item = f64>) -> Vec<f64> {
     let row =
         |(i, x): (i32, f64)| (goal.terms)(x).into_iter().chain([(-1.0_f64).powi(i), (goal.function)(x)]).collect();
@@ -81,11 +82,11 @@ fn value<const N: usize>(goal: &Approximation<N>, numbers: &[f64], x: f64) -> f6
     (goal.terms)(x).iter().zip(numbers).map(|(term, number)| term * number).sum()
 }
 
-/// An angle over its sine, of `k`, the squared length of the sum of both directions, up to a straight angle:
-/// `(pi + k (n_0 + k n_1)) / sqrt k - d_0 - k (d_1 + k d_2)`.
+/// An angle divided by its sine, up to an angle of pi, as `(pi + k (n_0 + k n_1)) / sqrt k - d_0 - k (d_1 + k d_2)`.
+/// Here `k` is the squared length of the sum of both directions.
 ///
-/// The cosine of half the angle is `c = sqrt k / 2`. The angle over its sine times `c` is `acos(c) / sqrt(1 - c^2)`.
-/// The error of this product is the least.
+/// The cosine of half the angle is `c = sqrt k / 2`. The angle divided by its sine, times `c`, is `acos(c) / sqrt(1 -
+/// c^2)`. The fit minimises the error of this product.
 #[must_use]
 pub fn angle_over_sine() -> Sum {
     minimax(&Approximation {
@@ -97,7 +98,7 @@ pub fn angle_over_sine() -> Sum {
     })
 }
 
-/// Terms and value of [`arcs_close`], divided by the quotient, so that the error is relative.
+/// Terms and value of [`arcs_close`]. They are divided by the quotient, so that the error is relative.
 fn of_arcs(c: f64) -> ([f64; 5], f64) {
     let h = 2.0 * c * c;
     let (angle, root) = (2.0 * c.acos(), h.sqrt());
@@ -106,8 +107,9 @@ fn of_arcs(c: f64) -> ([f64; 5], f64) {
     (terms, 1.0 - std::f64::consts::PI * std::f64::consts::FRAC_1_SQRT_2 / (root * quotient))
 }
 
-/// An angle over its sine, of `h = 1 + cosine`, up to a straight angle:
-/// `(pi / sqrt 2 + a h + b h^2) / sqrt h + c + d h + e h^2`, with the least relative error. `c = sqrt(h / 2)` here.
+/// An angle divided by its sine, up to an angle of pi, with the least relative error, for `h = 1 + cosine`:
+/// `(pi / sqrt 2 + a h + b h^2) / sqrt h + c + d h + e h^2`. The terms are functions of the cosine of half the angle,
+/// `sqrt(h / 2)`.
 #[must_use]
 pub fn arcs_close() -> Sum {
     minimax(&Approximation { terms: |c| of_arcs(c).0, function: |c| of_arcs(c).1 })
@@ -123,7 +125,7 @@ pub fn arcs_rough() -> Sum {
     minimax(&Approximation { terms, function: |c| of_arcs(c).1 })
 }
 
-/// The arc tangent up to an angle of pi/4, in odd powers.
+/// The arc tangent up to an angle of pi/4, as odd powers.
 #[must_use]
 pub fn arc_tangent() -> Sum {
     minimax(&Approximation {
@@ -135,8 +137,8 @@ pub fn arc_tangent() -> Sum {
     })
 }
 
-/// The name, the numbers as in the shaders, and the error of each polynomial. In the first, `d_0` is larger by one,
-/// because the shader computes the quotient minus one.
+/// Each polynomial: its name, its numbers as in the shaders, and its error. In the first polynomial, `d_0` is larger by
+/// one, because the shader computes the quotient minus one.
 #[must_use]
 pub fn rows() -> Vec<(&'static str, Vec<String>, f64)> {
     let mut bend = angle_over_sine();

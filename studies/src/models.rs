@@ -1,4 +1,4 @@
-//! The tables of docs/normals.md and docs/lights.md: errors of model `normals` and of a table of LTCs over random
+//! The tables of docs/normals.md and docs/lights.md: errors of model `normals` and of a table of LTCs for random
 //! lights.
 
 use std::fmt::Write as _;
@@ -19,7 +19,7 @@ use crate::{
     tables::fitted,
 };
 
-/// Lights in a row of the first table, in its tail, and in a row of walls.
+/// Lights per row of the first table, in its tail, and per row of walls.
 const LIGHTS: [usize; 3] = [4000, 20_000, 600];
 const RULES: [NormalsRule; 3] = [NormalsRule::Fast, NormalsRule::Balanced, NormalsRule::Fine];
 /// The rows of walls: name, height and tilt of the lower edge.
@@ -33,7 +33,7 @@ const WALLS: [(&str, f64, f64); 7] = [
     ("one end .01 above, the other .05 below", -0.02, 0.03),
 ];
 
-/// Kinds in the table of the visible part by four arcs.
+/// The kinds in the table for the visible part by four arcs.
 const ARCS: [Kind; 6] = [Kind::Random, Kind::Anisotropic, Kind::Huge, Kind::Steep, Kind::Strip, Kind::Sliver];
 
 /// Errors of V by four arcs per edge, against the exact integrals.
@@ -47,7 +47,7 @@ fn visible_errors(cases: &[Case]) -> Spread {
     Spread::of(cases.iter().map(error).collect())
 }
 
-/// The light by a rule of model `normals`.
+/// The reflected light by a rule of model `normals`.
 #[must_use]
 pub fn by_rule(rule: NormalsRule, lit: &Lit) -> [f64; 2] {
     reflected(lit.alpha(), lit.wo(), &lit.vertices, Sides::Two, rule)
@@ -58,10 +58,10 @@ fn by_ltc(table: &Table, lit: &Lit) -> [f64; 2] {
     found.map_or([f64::NAN; 2], |found| [found.energy, found.fresnel])
 }
 
-/// The tables, with a `part` of the lights in each row.
+/// The tables, measured with a `part` of the lights in each row.
 ///
 /// # Errors
-/// None, unless preset `paper` is not a recipe.
+/// None, because preset `paper` is a recipe.
 pub fn tables(part: f64) -> Result<String, ltcforge::Error> {
     let [lights, tail, walls] = LIGHTS.map(|count| ((count as f64 * part) as usize).max(20));
     let table = fitted(&Recipe::builder().preset(Preset::Paper).build()?);
@@ -127,7 +127,7 @@ pub fn tables(part: f64) -> Result<String, ltcforge::Error> {
     Ok(out)
 }
 
-/// Mean errors of the energy by the current numbers, and by an empty network.
+/// Mean errors of the energy, with the current numbers and with an empty network.
 #[must_use]
 pub fn current_and_empty(cases: &[Case]) -> [f64; 2] {
     let rule = NormalsRule::Balanced;

@@ -1,8 +1,8 @@
-//! The networks of model `normals`, which estimate the mean weight of shadowing: see docs/normals.md.
+//! Finds the networks of model `normals`. They estimate the mean weight of shadowing: see docs/normals.md.
 //!
-//! Adam [Kingma, Ba 2015] finds the networks: steps along the gradient over a few cases, in units of its running size.
-//! Steps shrink along half a cosine. The best of several starts is the result. All random numbers come from the seed,
-//! and sums have a fixed order.
+//! The optimiser is Adam [Kingma, Ba 2015]: each step follows the gradient over a few cases, in units of its running
+//! size. The step length decreases along half a cosine. The result is the best of several starts. All random numbers
+//! come from the seed, and sums have a fixed order.
 
 use std::{f32::consts::PI, fmt::Write as _};
 
@@ -19,19 +19,19 @@ use rayon::prelude::*;
 
 use crate::lights::{Case, Kind, Lit, Spread, cases};
 
-/// Digits of a number in the source.
+/// Significant digits of a number in the source.
 const DIGITS: i32 = 4;
-/// Cases in a step.
+/// Cases per step.
 const BATCH: usize = 256;
 /// The length of the first step.
 const STEP: f32 = 0.015;
-/// The decay per step of the gradient's running mean and of its running square.
+/// The decay per step of the running means of the gradient and of its square.
 const DECAY: [f32; 2] = [0.9, 0.999];
-/// Errors below this are negligible. The objective is quadratic there.
+/// Errors below this are negligible: the objective is quadratic there.
 const NEGLIGIBLE: f32 = 2e-4;
-/// The weight of an error's square relative to its size, which reduces large errors.
+/// The weight of the squared error relative to the absolute error. It reduces large errors.
 const LARGE: f32 = 10.0;
-/// The weight of an error of Schlick's part, relative to an error of the energy.
+/// The weight of an error in Schlick's part, relative to an error in the energy.
 const SCHLICK: f32 = 0.7;
 
 /// The options of [`find`].
@@ -39,13 +39,13 @@ const SCHLICK: f32 = 0.7;
 pub struct Options {
     /// The rule.
     pub rule: NormalsRule,
-    /// Lights of the search, and as many held-out lights.
+    /// Lights in the search. The same number is held out.
     pub lights: usize,
     /// Rounds over all lights.
     pub rounds: usize,
-    /// Number of tried networks.
+    /// The number of networks to try.
     pub starts: u64,
-    /// Seed of lights and starts.
+    /// Seed for the lights and the starts.
     pub seed: u64,
 }
 
@@ -59,13 +59,14 @@ pub fn units(rule: NormalsRule) -> usize {
     }
 }
 
-/// The number of outputs of a rule's network. Only triangles have a tip.
+/// The number of outputs of a rule's network. The last output is for the tip of a triangle, and only some rules have
+/// triangles.
 #[must_use]
 pub fn outputs(rule: NormalsRule) -> usize {
     if matches!(rule, NormalsRule::Fine | NormalsRule::Exact) { OUTPUTS } else { OUTPUTS - 1 }
 }
 
-/// Draws `count` cases, evenly of all kinds.
+/// Draws `count` cases, the same number for each kind.
 #[must_use]
 pub fn draw(seed: u64, count: usize) -> Vec<(usize, Case)> {
     let kinds = Kind::ALL.into_iter().enumerate();
@@ -78,7 +79,7 @@ pub fn draw(seed: u64, count: usize) -> Vec<(usize, Case)> {
 /// The numbers of a network.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Numbers {
-    /// Rows of the units, in the form of [`Network`].
+    /// Rows of the units, as in [`Network`].
     pub units: Vec<Vec<f64>>,
     /// Rows of the outputs.
     pub outputs: Vec<Vec<f64>>,
@@ -92,7 +93,7 @@ impl From<Network<'_>> for Numbers {
 }
 
 impl Numbers {
-    /// The light by a rule with these numbers.
+    /// The light by a rule, with these numbers.
     #[must_use]
     pub fn reflected(&self, rule: NormalsRule, lit: &Lit) -> [f64; 2] {
         let (units, outputs) = (slices(&self.units), slices(&self.outputs));
@@ -101,7 +102,7 @@ impl Numbers {
         found.map_or([0.0; 2], |found| found.reflected(|region| network.at(&region.inputs[..rule.inputs()])))
     }
 
-    /// The numbers in the form of `src/light/normals/numbers.rs`.
+    /// The numbers as written in `src/light/normals/numbers.rs`.
     #[must_use]
     pub fn as_rust(&self, rule: NormalsRule) -> String {
         let rows = |rows: &[Vec<f64>]| {
@@ -116,7 +117,8 @@ impl Numbers {
         )
     }
 
-    /// The numbers in the form of the rule's shader: matrices by columns, each with four inputs and at most four units.
+    /// The numbers as written in the shader of the rule: matrices in column order, each with four inputs and at most
+    /// four units.
     #[must_use]
     pub fn as_wgsl(&self, rule: NormalsRule) -> String {
         let mut out = String::new();
@@ -147,7 +149,7 @@ fn slices(rows: &[Vec<f64>]) -> Vec<&[f64]> {
     rows.iter().map(Vec::as_slice).collect()
 }
 
-/// Columns of rows as a matrix of WGSL.
+/// Some columns of the rows, as a WGSL matrix.
 fn matrix(rows: &[Vec<f64>], from: usize, to: usize) -> String {
     let column = |k: usize| listed(&rows.iter().map(|row| row[k]).collect::<Vec<_>>());
     let columns: Vec<String> = (from..to).map(column).collect();
@@ -164,26 +166,28 @@ fn rounded(x: f64) -> f64 {
         return 0.0;
     }
     let one = 10_f64.powi(DIGITS - 1 - x.abs().log10().floor() as i32);
-    // The quotient of two whole numbers gives exact decimal digits. A number without decimals is a product.
+    // The quotient of two whole numbers is the nearest f64, so it prints with these digits. A number without decimals
+    // is a product instead.
     if one >= 1.0 { (x * one).round() / one } else { (x * one).round() * one.recip().round() }
 }
 
-/// A region of a case, in f32.
+/// The features of a region of a case, in f32.
 struct Features {
     part: f32,
     at_mean: f32,
     schlick: f32,
-    /// Differences of the values at corners and tip from the value at the mean: the factors of the last two outputs.
+    /// The values at the corners and at the tip, minus the value at the mean. They are the factors of the last two
+    /// outputs.
     offsets: [f32; 2],
     inputs: [f32; INPUTS],
 }
 
-/// The weight of the cases of a kind.
+/// The weight of cases of a kind.
 fn weight(kind: Kind) -> f64 {
     if matches!(kind, Kind::Random | Kind::Anisotropic | Kind::Strip) { 3.0 } else { 1.0 }
 }
 
-/// A case, in f32.
+/// A training case, in f32.
 struct Lesson {
     truth: [f32; 2],
     /// The weight of the case.
@@ -212,7 +216,7 @@ impl Lesson {
     }
 }
 
-/// A network during the search. `weights` has its rows, one after the other.
+/// A network during the search. `weights` has all rows one after another.
 struct Search {
     inputs: usize,
     units: usize,
@@ -220,18 +224,18 @@ struct Search {
     weights: Vec<f32>,
 }
 
-/// The means that a network computes for a region, and whether the clamp leaves them free.
+/// The means that a network computes for a region, and whether the clamp leaves each unchanged.
 #[derive(Clone, Copy, Default)]
 struct Estimate {
     mean: [f32; 2],
     is_free: [bool; 2],
 }
 
-/// Running sums of a search.
+/// The running sums of Adam.
 struct Adam {
     slope: Vec<f32>,
     square: Vec<f32>,
-    /// The powers of [`DECAY`] so far, which correct the bias of the sums.
+    /// The current powers of [`DECAY`]. They correct the bias of the sums.
     decayed: [f32; 2],
 }
 
@@ -247,13 +251,13 @@ impl Search {
         }
         for output in 0..outputs {
             weights.extend((0..units).map(|_| 0.05 * normal()));
-            // The weight of corners starts at about a third.
+            // The weight for corners starts at about a third.
             weights.push(if output == 2 { 0.3 } else { 0.0 });
         }
         Self { inputs, units, outputs, weights }
     }
 
-    /// The index at which the row of an output begins.
+    /// The index of the first weight of an output's row.
     fn output(&self, output: usize) -> usize {
         self.units * (self.inputs + 1) + output * (self.units + 1)
     }
@@ -330,7 +334,8 @@ impl Search {
         }
     }
 
-    /// The numbers for plain inputs. The search used inputs minus `mean`, over `spread`.
+    /// The numbers for inputs that are not normalised. In the search, inputs had `mean` subtracted and were divided by
+    /// `spread`.
     fn numbers(&self, mean: &[f32], spread: &[f32]) -> Numbers {
         let unit = |row: &[f32]| {
             let weights: Vec<f64> =
@@ -383,7 +388,7 @@ fn trained(options: &Options, start: u64, lessons: &[Lesson]) -> Search {
     search
 }
 
-/// The mean over cases of the absolute errors of both parts, weighted as in the search.
+/// The mean absolute errors of both parts over the cases, weighted as in the search.
 #[must_use]
 pub fn objective(rule: NormalsRule, numbers: &Numbers, cases: &[(usize, Case)]) -> f64 {
     let error = |(kind, case): &(usize, Case)| {
@@ -398,11 +403,11 @@ pub fn objective(rule: NormalsRule, numbers: &Numbers, cases: &[(usize, Case)]) 
 /// The found numbers, with the objectives of the current and the found numbers.
 #[derive(Debug, Clone)]
 pub struct Found {
-    /// The numbers, rounded to the digits of the source.
+    /// The found numbers, rounded to the digits of the source.
     pub numbers: Numbers,
     /// Objectives of the current and the found numbers on the cases of the search.
     pub training: [f64; 2],
-    /// The objectives on held-out cases.
+    /// Objectives on held-out cases.
     pub held_out: [f64; 2],
 }
 
@@ -430,7 +435,7 @@ pub fn find(options: &Options) -> Found {
     Found { numbers: best, training, held_out }
 }
 
-/// A Markdown table of errors of some numbers for each kind, on cases of another seed.
+/// A Markdown table with the errors of several sets of numbers for each kind, on cases from another seed.
 #[must_use]
 pub fn by_kind(rule: NormalsRule, seed: u64, count: usize, candidates: &[(&str, &Numbers)]) -> String {
     let mut out = "| lights |".to_owned();
@@ -455,7 +460,7 @@ pub fn by_kind(rule: NormalsRule, seed: u64, count: usize, candidates: &[(&str, 
     out
 }
 
-/// The number of lights that are wrongly dark: less than a fifth of the truth, for a truth above .001.
+/// The number of lights that are wrongly dark: the true value is above .001, and the result is less than a fifth of it.
 #[must_use]
 pub fn dark(cases: &[Case], found: &[[f64; 2]]) -> usize {
     cases.iter().zip(found).filter(|(case, x)| case.truth[0] > 0.001 && x[0] < 0.2 * case.truth[0]).count()

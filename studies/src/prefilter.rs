@@ -1,7 +1,7 @@
-//! The parts of a level and of the level above in the pyramid of a picture on a light: `OWN_PARTS` of
-//! `src/light/textured/pyramid.rs`, and the table of docs/textured.md.
+//! Finds `OWN_PARTS` of `src/light/textured/pyramid.rs`: the part of each level in the pyramid of a picture that does
+//! not come from the next coarser level. Prints the table of docs/textured.md.
 //!
-//! The truth sums the kernel over a grid of 3 x 3 points per texel, and shares nothing with the pyramid.
+//! The truth sums the kernel over a grid of 3 x 3 points per texel. It shares no code with the pyramid.
 
 use std::fmt::Write as _;
 
@@ -10,30 +10,30 @@ use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
-/// Even, odd and long pictures.
+/// Sizes of pictures: even, odd and long.
 const SIZES: [[usize; 2]; 5] = [[64, 64], [63, 63], [96, 40], [37, 53], [65, 127]];
-/// Points for each size.
+/// The number of points for each size.
 pub const POINTS: usize = 400;
-/// Seeds of the points of the search, and of the held-out points.
+/// Seeds for the points of the search, and for the held-out points.
 const SEEDS: [u64; 2] = [1, 2];
-/// The tried parts.
+/// The parts to try.
 const TRIED: [[f64; 5]; 3] = [[0.75, 0.8, 0.85, 0.9, 0.95], [0.65, 0.7, 0.75, 0.8, 0.85], [0.55, 0.6, 0.65, 0.7, 0.75]];
 
-/// A picture with the sum of the kernel at random points.
+/// A picture, with the sum of the kernel at random points.
 struct Case {
     image: LightImage,
-    /// Place, sigma and sum.
+    /// Position, sigma and sum.
     points: Vec<([f64; 2], f64, [f64; 3])>,
 }
 
-/// Mean and largest error of each channel.
+/// Mean and largest error for each channel.
 type Errors = [[f64; 2]; 3];
 
 fn uniform(rng: &mut Xoshiro256PlusPlus) -> f64 {
     (rng.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-/// A disk of radiance 4, a checkerboard of 6 x 6 fields and a ramp.
+/// A picture with a disk of radiance 4, a checkerboard of 6 x 6 squares and a ramp.
 fn picture(size: [usize; 2]) -> LightImage {
     let texel = |[x, y]: [usize; 2]| {
         let (u, v) = ((x as f64 + 0.5) / size[0] as f64, (y as f64 + 0.5) / size[1] as f64);
@@ -46,7 +46,8 @@ fn picture(size: [usize; 2]) -> LightImage {
     LightImage::new(size[0], size[1], places.map(texel).collect()).expect("texels that are finite")
 }
 
-/// Points anywhere in the pictures, with sigma from 2 texels to the sigma of the last level, even in its logarithm.
+/// Random points in the pictures. Sigma is from 2 texels to the sigma of the last level, evenly distributed in its
+/// logarithm.
 fn cases(points: usize, seed: u64) -> Vec<Case> {
     let case = |size: &[usize; 2]| {
         let (image, mut rng) = (picture(*size), Xoshiro256PlusPlus::seed_from_u64(seed));
@@ -73,13 +74,13 @@ fn errors(case: &Case, parts: [f64; 3]) -> Errors {
     errors
 }
 
-/// The mean of all errors of all cases.
+/// The mean error over all points and channels of all cases.
 fn mean(cases: &[Case], parts: [f64; 3]) -> f64 {
     let all = cases.iter().flat_map(|case| errors(case, parts)).map(|[mean, _]| mean);
     all.sum::<f64>() / (3 * cases.len()) as f64
 }
 
-/// The errors of the best tried parts, of the current parts and of 0.65 for all, and the table for held-out points.
+/// The errors of the best parts, of the current parts and of 0.65 for all, and the table for held-out points.
 #[must_use]
 pub fn text(points: usize) -> String {
     let [training, held_out] = SEEDS.map(|seed| cases(points, seed));

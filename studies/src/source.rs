@@ -1,10 +1,10 @@
-//! Reads constants from the sources.
+//! Reads constants from source files.
 
-/// The value of a constant in a source. For a list it is the item with this index.
+/// The value of a constant in a source file. If it is a list, the item with this index.
 #[must_use]
 pub fn number(source: &str, name: &str, index: usize) -> Option<f64> {
     let declaration = source.split_once(&format!("const {name}:"))?.1.split_once(';')?;
-    // The type of a list also has a semicolon.
+    // The type of a list also contains a semicolon.
     let value = match declaration {
         (kind, rest) if kind.trim_start().starts_with('[') => rest.split_once('=')?.1.split(';').next()?,
         (kind, _) => kind.split_once('=')?.1,
@@ -12,7 +12,7 @@ pub fn number(source: &str, name: &str, index: usize) -> Option<f64> {
     parsed(value.trim().trim_matches(['[', ']']).split(',').nth(index)?)
 }
 
-/// The number of a field where it first appears in a source.
+/// The number of a field, from its first occurrence in a source file.
 #[must_use]
 pub fn field(source: &str, name: &str) -> Option<f64> {
     let is_number = |rest: &&str| rest.trim_start().starts_with(|c: char| c.is_ascii_digit());
@@ -23,7 +23,7 @@ fn parsed(text: &str) -> Option<f64> {
     text.trim().replace('_', "").parse().ok()
 }
 
-/// The first line of a source that contains `start`, from `start` on.
+/// The first line of a source file that contains `start`, from `start` on.
 #[must_use]
 pub fn line<'a>(source: &'a str, start: &str) -> Option<&'a str> {
     source.lines().map(str::trim).find(|line| line.starts_with(start))

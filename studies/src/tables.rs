@@ -1,4 +1,4 @@
-//! Tables that studies fit, and the materials at which they are measured.
+//! The tables that studies fit, and the materials for measuring them.
 
 use std::{f64::consts::FRAC_PI_2, ops::ControlFlow};
 
@@ -8,9 +8,9 @@ use ltcforge::{
 };
 use rayon::prelude::*;
 
-/// The start of the sequence of materials. Reports use other places.
+/// The start of the sequence of materials. Reports use another sequence.
 const SHIFT: [f64; 4] = [0.326_237_921_249_264, 0.899_494_936_611_665, 0.124_355_652_982_141, 0.652_475_842_498_528];
-/// Samples, directions and steps of the fits of the best LTCs.
+/// Samples, directions and steps for the fits of the best LTCs.
 const BEST: [u32; 3] = [8192, 64, 120];
 
 /// The table of a recipe, fitted on the current rayon pool.
@@ -22,8 +22,8 @@ pub fn fitted(recipe: &Recipe) -> Table {
     fit_plan(&Plan::new(recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it")
 }
 
-/// Materials and views as artists set them: even in perceptual roughness from 0.05 to 1, in ratio from 0.05 to 1, and
-/// in the angles of the view up to 89 degrees.
+/// Materials and views as artists set them: evenly distributed in perceptual roughness from 0.05 to 1, in ratio from
+/// 0.05 to 1, and in the view angles up to 89 degrees.
 #[must_use]
 pub fn materials(count: usize, is_isotropic: bool) -> Vec<Configuration> {
     let material = |i: usize| {
@@ -37,7 +37,7 @@ pub fn materials(count: usize, is_isotropic: bool) -> Vec<Configuration> {
     (0..count).map(material).collect()
 }
 
-/// The best LTC at each place, fitted with more samples than any table.
+/// The best LTC at each configuration. It is fitted with more samples than any table.
 ///
 /// # Panics
 /// Never: the settings are within their bounds, and nothing stops the fit.
@@ -57,7 +57,7 @@ pub fn best(places: &[Configuration]) -> Vec<(Configuration, LookedUp)> {
     places.par_iter().with_max_len(1).map_init(|| fitter.another(), fit).collect()
 }
 
-/// The lookup of a table at each place.
+/// The lookup of a table at each configuration.
 #[must_use]
 pub fn looked_up(table: &Table, places: &[Configuration]) -> Vec<(Configuration, LookedUp)> {
     places.iter().map(|at| (*at, table.lookup(at))).collect()

@@ -1,5 +1,6 @@
-//! The error of a BRDF as a file of numbers: the table of docs/materials.md. The study tabulates GGX, whose truth is
-//! known, with azimuths and ratios. It compares tables of the numbers and of the formula with the truth of the formula.
+//! The error of a BRDF given as numbers: the table of docs/materials.md. The study tabulates GGX over azimuths and
+//! ratios, because its truth is known. It compares tables fitted to the numbers and to the formula with the truth of
+//! the formula.
 
 use std::{fmt::Write as _, sync::Arc};
 
@@ -15,38 +16,38 @@ use ltcforge::{
 
 use crate::{clock::Clock, markdown::short, tables::fitted};
 
-/// The recipe of the page.
+/// The recipe of docs/materials.md.
 const RECIPE: &str = include_str!("../../docs/recipes/tabulated-anisotropic.json");
-/// The nodes of the command on the page: roughnesses and ratios.
+/// The nodes of the command in docs/materials.md: roughnesses and ratios.
 const ALPHA: [f64; 4] = [0.2, 0.4, 0.7, 1.0];
 const RATIO: [f64; 3] = [0.4, 0.7, 1.0];
-/// The numbers of polar angles, differences of azimuths on one side, and azimuths of the view.
+/// The numbers of polar angles, of azimuth differences on one side, and of view azimuths.
 const ANGLES: [u16; 3] = [32, 17, 7];
-/// Random rectangles with random surfaces in the range of the file.
+/// Random rectangles, with random surfaces in the range of the file.
 const LIGHTS: usize = 2000;
 /// The tolerance of the truth, as in [`lights`](crate::lights).
 const TOLERANCE: f64 = 1e-5;
 
 /// The results of the study.
 pub struct Found {
-    /// Absolute errors of the energy against the truth of the formula: of the numbers, of their table, of the formula's
-    /// table on the same nodes, and of the default table of the formula.
+    /// Absolute errors of the energy against the truth of the formula: for the numbers, for their table, for the
+    /// formula's table with the same nodes, and for the default table of the formula.
     pub errors: [Spread; 4],
     mean_energy: f64,
     lights: usize,
-    /// Values of the file.
+    /// The number of values in the file.
     pub values: usize,
-    /// Bytes of the file.
+    /// Size of the file in bytes.
     pub file_bytes: usize,
     entries: u64,
-    /// Processor seconds of the fits to numbers and to the formula on the same nodes.
+    /// Processor seconds of the fits to the numbers, and to the formula with the same nodes.
     seconds: [f64; 2],
 }
 
-/// Fits the tables by a preset and measures them with a part of the lights.
+/// Fits the tables with a preset, and measures them with a part of the lights.
 ///
 /// # Errors
-/// None, unless the recipe of the page does not fit its file.
+/// None, because the recipe fits the file.
 ///
 /// # Panics
 /// Never: GGX between these nodes is a BRDF.
@@ -88,7 +89,7 @@ pub fn find(preset: Preset, part: f64) -> Result<Found, Error> {
 }
 
 impl Found {
-    /// The table of the page, and the seconds of the fits.
+    /// The table of docs/materials.md, and the seconds of the fits.
     #[must_use]
     pub fn text(&self) -> String {
         let names = [

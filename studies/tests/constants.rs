@@ -1,4 +1,4 @@
-//! Shortened studies find the constants of the sources, and print the tables of the docs.
+//! Shortened studies find the constants of the sources again, and print the tables of the docs.
 
 use ltcforge::{
     Layout, Metric, Preset, Recipe, RecipeDocument as _, Solver,
@@ -14,7 +14,7 @@ use ltcforge_studies::{
 };
 
 const NUMBERS: &str = include_str!("../../src/light/normals/numbers.rs");
-/// The shaders of rules, in the order of [`NormalsRule::SHADED`].
+/// The shaders of the rules, ordered as [`NormalsRule::SHADED`].
 const SHADERS: [&str; 3] = [
     include_str!("../../shaders/normals_balanced.wgsl"),
     include_str!("../../shaders/normals_fast.wgsl"),
@@ -27,9 +27,9 @@ const ISOTROPIC_PAGE: &str = include_str!("../isotropic.md");
 const MATERIALS_PAGE: &str = include_str!("../../docs/materials.md");
 const REFRACTION_PAGE: &str = include_str!("../../docs/refraction.md");
 
-/// The printed numbers equal the source in Rust and the shader.
+/// The printed numbers equal the numbers in the Rust source and in the shader.
 #[test]
-fn the_numbers_of_networks_are_printed_as_the_sources_have_them() {
+fn the_numbers_of_networks_are_printed_as_in_the_sources() {
     for (rule, shader) in NormalsRule::SHADED.into_iter().zip(SHADERS) {
         let numbers = Numbers::from(rule.network());
         let (units, outputs) = (networks::units(rule), networks::outputs(rule));
@@ -40,7 +40,7 @@ fn the_numbers_of_networks_are_printed_as_the_sources_have_them() {
     }
 }
 
-/// The printed polynomials equal the polynomials of the shaders.
+/// The found polynomials equal the polynomials of the shaders.
 #[test]
 fn the_polynomials_of_the_shaders_are_those_with_the_least_error() {
     let shaders = [
@@ -59,7 +59,7 @@ fn the_polynomials_of_the_shaders_are_those_with_the_least_error() {
     }
 }
 
-/// A search on other lights finds the current numbers, and the shader has them.
+/// A search on other lights finds the current numbers, and the shader contains them.
 #[test]
 fn the_bulge_of_arcs_is_the_best_of_the_grid() {
     let found = arcs::find(400, 30);
@@ -72,9 +72,9 @@ fn the_bulge_of_arcs_is_the_best_of_the_grid() {
     }
 }
 
-/// A short search comes close to the current numbers, on held-out lights.
+/// On held-out lights, a short search comes close to the current numbers.
 #[test]
-fn a_short_search_comes_near_to_the_numbers_of_networks() {
+fn a_short_search_comes_close_to_the_numbers_of_networks() {
     for (rule, most) in [(NormalsRule::Fast, 1.3), (NormalsRule::Balanced, 2.5), (NormalsRule::Fine, 2.5)] {
         let found = networks::find(&Options { rule, lights: 6000, rounds: 40, starts: 2, seed: 71 });
         let ([current, end], training) = (found.held_out, found.training);
@@ -83,7 +83,7 @@ fn a_short_search_comes_near_to_the_numbers_of_networks() {
     }
 }
 
-/// The found law and the current law predict about the error of held-out tables.
+/// The found law and the current law both predict the error of held-out tables approximately.
 #[test]
 fn a_short_run_finds_the_expected_errors_of_tables() {
     expected::find(&[Layout::Reflected], &Extent::SHORT, |found| {
@@ -100,7 +100,8 @@ fn numbers(cell: &str) -> Vec<f64> {
     cell.split([' ', ',']).filter_map(|word| word.trim().parse().ok()).collect()
 }
 
-/// The rows of a text: the first `named` cells as their name, and the first number of each other cell.
+/// The rows of a Markdown text. The first `named` cells of a row are its name, followed by the first number of each
+/// other cell.
 fn table_rows(text: &str, named: usize) -> Vec<(String, Vec<f64>)> {
     let row = |line: &str| {
         let cells: Vec<&str> = line.strip_prefix("| ")?.strip_suffix(" |")?.split(" | ").collect();
@@ -111,8 +112,8 @@ fn table_rows(text: &str, named: usize) -> Vec<(String, Vec<f64>)> {
     text.lines().filter_map(row).filter(|(_, numbers)| !numbers.is_empty()).collect()
 }
 
-/// Compares the rows of a document with the rows of the same name from a shortened study: their means are equal up to
-/// `factor`. Returns the number of compared rows. The document may lack rows of the study.
+/// Compares the rows of a document with the rows of the same name from a shortened study. Their means must agree
+/// within `factor`. Returns the number of compared rows. The document need not have all rows of the study.
 fn check_rows(document: &str, printed: &str, named: usize, factor: f64) -> usize {
     let (documented, printed) = (table_rows(document, named), table_rows(printed, named));
     let mut compared = 0;
@@ -169,16 +170,16 @@ fn the_documents_have_the_l3_distances() {
 }
 
 #[test]
-fn differences_of_f32_through_glass_are_those_of_the_document() {
+fn differences_of_f32_through_glass_agree_with_the_document() {
     for row in glass::differences().lines() {
         assert!(REFRACTION_PAGE.lines().any(|line| line == row), "{row}");
     }
 }
 
-/// A search over fewer surfaces finds a cubic as good as the current cubic, on held-out surfaces. The library and the
+/// On held-out surfaces, a search over fewer surfaces finds a cubic as good as the current cubic. The library and the
 /// shader have the printed numbers.
 #[test]
-fn the_albedo_is_the_cubic_that_a_search_finds() {
+fn the_albedo_is_as_good_as_the_cubic_of_a_search() {
     let found = albedo::find(&albedo::places(3000, false));
     let held_out = albedo::places(600, true);
     let errors = |numbers: [f64; 31]| albedo::errors_of(&held_out, &numbers);
@@ -193,9 +194,9 @@ fn the_albedo_is_the_cubic_that_a_search_finds() {
     }
 }
 
-/// The table of the numbers has about the error of the formula's table, and about the error of the numbers.
+/// The error of the table fitted to the numbers is about that of the formula's table, and about that of the numbers.
 #[test]
-fn a_brdf_as_numbers_costs_what_the_page_says() {
+fn a_brdf_given_as_numbers_has_the_errors_of_the_page() {
     let found = tabulated::find(Preset::Draft, 0.05).expect("the page's recipe");
     let [numbers, table, formula, _] = found.errors.map(|error| error.mean);
     println!("{}", found.text());

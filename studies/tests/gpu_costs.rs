@@ -1,4 +1,4 @@
-//! The costs of shaders in the source equal the costs by the compiler.
+//! Checks that the costs of shaders in the source equal the costs that the compiler reports.
 
 use std::{
     io::{Write as _, stderr},
@@ -9,9 +9,9 @@ use ltcforge::shaders::{COMPILER, GpuCost};
 
 const SOURCE: &str = include_str!("../../src/shaders/gpu_cost.rs");
 
-/// Reports a skipped test past the harness.
+/// Reports a skipped test directly on standard error, which the test harness does not capture.
 fn report_skipped(reason: &str) {
-    // A failed print does not fail the test.
+    // A failed print should not fail the test.
     let _ = stderr().write_all(format!("\n*** SKIPPED: the costs of shaders: {reason}\n\n").as_bytes());
 }
 
@@ -33,7 +33,7 @@ fn every_shader_has_the_costs_of_the_source() {
         assert!(row.trim_start().starts_with(name), "{row}");
     }
     if device != COMPILER {
-        return report_skipped(&format!("the compiler is {device}, and the figures are by {COMPILER}"));
+        return report_skipped(&format!("the compiler is {device}, but the figures are from {COMPILER}"));
     }
     for row in rows {
         assert!(SOURCE.contains(row), "{row}: cargo run -p ltcforge-studies -- gpu-costs");

@@ -1,4 +1,4 @@
-//! The input and output of commands: points, JSON, errors.
+//! The input and output of commands: points, JSON and errors.
 
 use std::{
     fs,
@@ -12,7 +12,7 @@ use crate::common::{
     command::{Run, ltcforge, run, run_with_stdin},
 };
 
-/// The error of a run with `--json`: one line on standard error.
+/// The error document of a run with `--json`: one line on standard error.
 #[track_caller]
 fn error(run: &Run) -> Value {
     let errors: Vec<Value> = run.stderr.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
@@ -23,7 +23,7 @@ fn error(run: &Run) -> Value {
 }
 
 #[test]
-fn under_json_an_error_is_one_document() {
+fn with_json_an_error_is_one_document() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("bad.json"), r#"{"preset":"draft","colour":1,"terms":7}"#).expect("a recipe");
     let cases: [(&[&str], i32, &str); 9] = [
@@ -63,7 +63,7 @@ fn every_command_prints_json() {
 }
 
 #[test]
-fn a_bad_url_of_a_server_is_a_wrong_command_line() {
+fn a_bad_server_url_is_a_usage_error() {
     let folder = tempfile::tempdir().expect("a folder");
     for command in [&["jobs", "list"][..], &["pull"], &["jobs", "submit", "draft"]] {
         for url in ["here", "ftp://host", "http://", "http://host/?a=b"] {
@@ -93,7 +93,7 @@ fn points_may_begin_with_a_byte_order_mark_and_lines_have_a_limit() {
 }
 
 #[test]
-fn files_without_an_end_are_refused() {
+fn endless_files_are_rejected() {
     let folder = tempfile::tempdir().expect("a folder");
     let commands: [(&[&str], i32); 4] = [
         (&["verify", "/dev/zero", "--table-limit", "4096"], 1),
@@ -105,7 +105,8 @@ fn files_without_an_end_are_refused() {
         let refused = run(folder.path(), command).exited(code);
         assert!(refused.stderr.contains("/dev/zero: the file is longer than "), "{refused:#?}");
     }
-    // A file that says how long it is is not read: this one has a terabyte, and no byte on the disk.
+    // A file that reports a size over the limit is not read. This sparse file has a terabyte, but no blocks on the
+    // disk.
     let sparse = fs::File::create(folder.path().join("sparse")).expect("a file");
     sparse.set_len(1 << 40).expect("a hole");
     let refused = run(folder.path(), ["verify", "./sparse"]).exited(1);

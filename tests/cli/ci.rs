@@ -10,12 +10,12 @@ use crate::common::{
     tell_skipped,
 };
 
-/// The code blocks of one language in the document, in order.
+/// The code blocks in one language of the document, in order.
 fn blocks(language: &str) -> Vec<String> {
     documents::blocks("docs/ci.md", language)
 }
 
-/// A project with a recipe and nothing else.
+/// A project that only has a recipe.
 fn project() -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().expect("a folder");
     let project = folder.path().to_owned();
@@ -24,7 +24,7 @@ fn project() -> (tempfile::TempDir, PathBuf) {
     (folder, project)
 }
 
-/// A project that is pinned as the document says.
+/// A project that is pinned as in the document.
 fn pinned() -> (tempfile::TempDir, PathBuf) {
     let (folder, project) = project();
     shell(&project, &blocks("sh")[0]);
@@ -42,10 +42,10 @@ fn the_lines_for_a_shell_run_as_they_are() {
     let said = shell(&project, &blocks[1..].concat());
     assert!(said.contains("metal fitted: assets/metal.safetensors\n"), "{said}");
     assert_eq!(fs::read(assets.join("ltc/ltc_terms.ktx2")).expect("a texture"), before);
-    assert_eq!(said.matches("unchanged").count() * 2, said.lines().count(), "all is right the second time: {said}");
+    assert_eq!(said.matches("unchanged").count() * 2, said.lines().count(), "the second run changes files: {said}");
 }
 
-/// Every line of a document that a runner would give to a shell.
+/// All lines of a document that a CI runner passes to a shell.
 fn lines_of(document: &Value) -> Vec<String> {
     match document {
         Value::Array(items) => items.iter().flat_map(lines_of).collect(),
@@ -71,7 +71,7 @@ fn the_lines_for_github_and_gitlab_run() {
     for document in documents {
         let document: Value = serde_saphyr::from_str(&document).expect("YAML");
         let lines = lines_of(&document);
-        // The program that is tested is installed already.
+        // The tested program is already installed.
         let (install, ours): (Vec<_>, Vec<_>) = lines.iter().partition(|line| line.starts_with("cargo install "));
         assert_eq!((install.len(), ours.len()), (1, 2), "{lines:?}");
         fs::remove_dir_all(project.join("assets")).expect("a folder");
@@ -82,7 +82,7 @@ fn the_lines_for_github_and_gitlab_run() {
 }
 
 #[test]
-fn the_build_script_stops_a_build_with_another_texture() {
+fn the_build_script_stops_a_build_with_a_changed_texture() {
     let (_folder, project) = pinned();
     fs::write(project.join("build.rs"), &blocks("rust")[0]).expect("a build script");
     let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());

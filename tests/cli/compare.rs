@@ -1,4 +1,4 @@
-//! `verify --refit` and `diff`: whether a table is what its recipe gives, and how far it is from another.
+//! `verify --refit` and `diff`: whether a table is the result of its recipe, and how two tables differ.
 
 use std::fs;
 
@@ -10,7 +10,7 @@ use crate::common::{
     command::{run, run_with_stdin},
 };
 
-/// A folder with the table of [`SMALL`] and one that differs in its seed, by their files' names.
+/// A folder with the table of [`SMALL`] and a table with another seed, and the names of both files.
 fn two() -> (tempfile::TempDir, [String; 2]) {
     let folder = tempfile::tempdir().expect("a folder");
     let other = SMALL.replace(r#""steps":5"#, r#""steps":5,"seed":7"#);
@@ -24,13 +24,13 @@ fn two() -> (tempfile::TempDir, [String; 2]) {
 }
 
 #[test]
-fn a_table_is_refitted_and_one_of_other_numbers_is_refused() {
+fn a_table_is_refitted_and_a_table_with_other_numbers_is_rejected() {
     let (folder, [table, other]) = two();
     let here = folder.path();
     let told = run(here, ["verify", &table, &other, "--refit", "--threads", "1"]).exited(0);
     assert_eq!(told.stdout.matches("and fitting its recipe gives the same bytes").count(), 2, "{told:#?}");
 
-    // The numbers of one table under the recipe of the other: well formed, and not what the recipe gives.
+    // The numbers of one table with the recipe of the other: a well-formed file that is not the result of its recipe.
     let read = |name: &str| TableFile::from_bytes(&fs::read(here.join(name)).expect("a file")).expect("a table");
     let forged = container::encode(read(&table).recipe(), read(&other).table()).expect("a file");
     fs::write(here.join("forged.safetensors"), &forged).expect("a file");
@@ -45,7 +45,7 @@ fn a_table_is_refitted_and_one_of_other_numbers_is_refused() {
 }
 
 #[test]
-fn files_of_an_export_are_made_anew_from_the_recipe_that_they_carry() {
+fn files_of_an_export_are_made_again_from_their_recipe() {
     let (folder, [table, other]) = two();
     let here = folder.path();
     for (words, out) in [(["--for", "wgpu"], "wgpu"), (["--container", "compact-js"], "compact")] {
@@ -67,7 +67,7 @@ fn files_of_an_export_are_made_anew_from_the_recipe_that_they_carry() {
     fs::write(&first, &broken).expect("a file");
     let refused = run(here, ["verify", "wgpu"]).exited(3);
     assert!(refused.complaints()[0].contains("with sha256"), "{refused:#?}");
-    // With a manifest that has been changed along, only the fit tells.
+    // If the manifest was changed as well, only the fit reveals the change.
     let forged = text.replace(&Digest::of(&bytes).hex(), &Digest::of(&broken).hex());
     fs::write(&manifest, forged).expect("a manifest");
     run(here, ["verify", "wgpu"]).exited(0);
@@ -94,7 +94,7 @@ fn files_of_an_export_are_made_anew_from_the_recipe_that_they_carry() {
 }
 
 #[test]
-fn two_tables_are_compared_by_their_lookups_and_their_errors() {
+fn two_tables_are_compared_by_lookups_and_errors() {
     let (folder, [table, other]) = two();
     let here = folder.path();
     let told = |a: &str, b: &str| -> Value {
@@ -109,7 +109,7 @@ fn two_tables_are_compared_by_their_lookups_and_their_errors() {
     let max = apart["difference"]["matrix"]["max"].as_f64().expect("a number");
     let mean = apart["difference"]["matrix"]["mean"].as_f64().expect("a number");
     assert!(1e-4 < max && max < 1.0 && mean < max, "{}", apart["difference"]);
-    // The figures are those of `report`.
+    // `diff` and `report` must print the same figures.
     let report = run(here, ["report", &other, "--json"]).exited(0);
     let report: Value = serde_json::from_str(&report.stdout).expect("JSON");
     assert_eq!(apart["b"]["report"], report["report"]);
@@ -123,7 +123,7 @@ fn two_tables_are_compared_by_their_lookups_and_their_errors() {
 }
 
 #[test]
-fn a_published_table_is_compared_and_one_of_the_wrong_shape_refused() {
+fn a_published_table_is_compared_and_a_wrong_shape_is_rejected() {
     let (folder, [table, _]) = two();
     let here = folder.path();
     let npy = |shape: &str, numbers: usize| {

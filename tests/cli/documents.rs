@@ -1,4 +1,4 @@
-//! Figures of the documents that change with the code: bytes of shaders and of compact tables.
+//! Figures in the docs that change with the code: sizes of shaders and of compact tables.
 
 use std::{fs, path::Path};
 
@@ -6,7 +6,7 @@ use ltcforge::shaders::GpuCost;
 
 use crate::common::command::run;
 
-/// The cells of the row of a table of docs/`document` that begins with `first`, without that cell.
+/// The cells of a table row in docs/`document`. The row starts with `first`, which is not returned.
 #[track_caller]
 fn row(document: &str, first: &str) -> Vec<String> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs").join(document);
@@ -16,13 +16,13 @@ fn row(document: &str, first: &str) -> Vec<String> {
     row.trim_end_matches(" |").split(" | ").map(str::to_owned).collect()
 }
 
-/// 12,345.
+/// The number with a comma between thousands: 12,345.
 fn with_comma(count: usize) -> String {
     if count < 1000 { count.to_string() } else { format!("{},{:03}", count / 1000, count % 1000) }
 }
 
 #[test]
-fn the_bytes_of_shaders_are_those_of_the_documents() {
+fn the_bytes_of_shaders_agree_with_the_documents() {
     let here = tempfile::tempdir().expect("a folder");
     for language in ["wgsl", "glsl", "glsl-es", "hlsl", "msl"] {
         let length = |more: &[&str]| {
@@ -35,7 +35,7 @@ fn the_bytes_of_shaders_are_those_of_the_documents() {
 }
 
 #[test]
-fn the_bytes_of_compact_tables_are_those_of_the_documents() {
+fn the_bytes_of_compact_tables_agree_with_the_documents() {
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();
     let table = run(here, ["fit", "standard", "-o", "tables"]).exited(0).stdout;
@@ -48,13 +48,13 @@ fn the_bytes_of_compact_tables_are_those_of_the_documents() {
     let with_source = |container, file| format!("{compact} + {}", length(container, file));
     let (rust, wgsl) = (with_source("compact-rust", "ltc.compact.rs"), with_source("compact-wgsl", "ltc.compact.wgsl"));
     let mut told = row("layouts.md", "default `reflected`");
-    // The gzipped length is that of another program.
+    // The gzipped length comes from another program.
     told.remove(2);
     assert_eq!(told, [compact, length("compact-js", "ltc.compact.js"), rust, wgsl]);
 }
 
 #[test]
-fn the_costs_of_shaders_are_those_of_the_documents() {
+fn the_costs_of_shaders_agree_with_the_documents() {
     let text = |path: &str| fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).expect("a document");
     let (readme, normals) = (text("README.md"), text("docs/normals.md"));
     let cost = |name: &str| GpuCost::of(name).unwrap_or_else(|| panic!("no cost of {name}"));
@@ -64,8 +64,8 @@ fn the_costs_of_shaders_are_those_of_the_documents() {
         ("`normals`, rule `balanced`, the default ", "normals balanced"),
         ("`normals`, rule `fine` ", "normals fine"),
         ("`ltc`, default table ", "ltc reflected"),
-        ("`kt2022`, table of KT et al. ", "kt2022, its own"),
-        ("`ltc2017`, table of engines ", "ltc2017, clipless"),
+        ("`kt2022`, method of KT et al. ", "kt2022, its own"),
+        ("`ltc2017`, method of engines ", "ltc2017, clipless"),
     ] {
         let row = format!("| {row}{}", cells(cost(name)));
         assert!(readme.lines().any(|line| line.starts_with(&row)), "README.md: {row}");

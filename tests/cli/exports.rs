@@ -1,4 +1,4 @@
-//! A table in the files of engines, by the binary.
+//! Exports a table to the files of engines with the binary.
 
 use std::{fs, path::Path};
 
@@ -10,7 +10,7 @@ use crate::common::{
     command::{run, run_with_stdin},
 };
 
-/// A folder with a table of layout `reflected`, by its path in it.
+/// A folder with a table of layout `reflected`, and the table's path in this folder.
 fn folder_with_table() -> (tempfile::TempDir, String) {
     let folder = tempfile::tempdir().expect("a folder");
     let fitted = run_with_stdin(folder.path(), ["fit", "-", "-o", "."], SMALL).exited(0);
@@ -18,7 +18,7 @@ fn folder_with_table() -> (tempfile::TempDir, String) {
     (folder, format!("{}.safetensors", digest.hex()))
 }
 
-/// The output of `--json`, checked against the written files.
+/// The output of `--json`. Checks it against the written files.
 fn told(folder: &Path, printed: &str) -> Value {
     let told: Value = serde_json::from_str(printed).expect("JSON");
     let files = told["files"].as_array().expect("files");
@@ -32,7 +32,7 @@ fn told(folder: &Path, printed: &str) -> Value {
 }
 
 #[test]
-fn our_own_shader_gets_textures_and_what_its_buffers_hold() {
+fn our_own_shader_gets_textures_and_the_contents_of_its_buffers() {
     let (folder, table) = folder_with_table();
     let here = folder.path();
     let printed = run(here, ["export", &table, "--for", "wgpu", "-o", "a/b", "--json"]).exited(0);
@@ -42,7 +42,7 @@ fn our_own_shader_gets_textures_and_what_its_buffers_hold() {
     let expected = ["ltc_matrix_a.ktx2", "ltc_matrix_b.ktx2", "ltc_terms.ktx2", "ltc.json", "ltcforge.json"];
     assert_eq!(names, expected.map(|name| format!("a/b/{name}")));
 
-    // A 3D texture of the table's nodes with its numbers, behind one header of KTX2.
+    // A KTX2 file: a 3D texture with the size and the numbers of the table.
     let reader = ktx2::Reader::new(fs::read(here.join("a/b/ltc_terms.ktx2")).expect("a file")).expect("KTX2");
     let header = reader.header();
     assert_eq!([header.pixel_width, header.pixel_height, header.pixel_depth], [2, 4, 2]);
@@ -52,7 +52,7 @@ fn our_own_shader_gets_textures_and_what_its_buffers_hold() {
         assert!(about.contains(said), "{said} is not in {about}");
     }
 
-    // For people: each file and each step on a line; and the same bytes.
+    // Without `--json`, the output has a line for each file and each step. The bytes of the files are the same.
     let again = run(here, ["export", &table, "--for", "wgpu", "-o", "again", "--threads", "1"]).exited(0);
     assert!(again.stdout.starts_with("again/ltc_matrix_a.ktx2  "), "{}", again.stdout);
     assert!(again.stdout.contains("Binding 0 is ltc_table"), "{}", again.stdout);
@@ -76,9 +76,9 @@ fn each_format_is_written() {
     }
 }
 
-/// The compact form tells how good it is, and is read wherever a table is.
+/// `export` prints the error of the compact form. Every command that reads tables can read it.
 #[test]
-fn a_table_ships_in_few_bytes_and_is_read_again() {
+fn a_compact_table_has_few_bytes_and_can_be_read() {
     let (folder, table) = folder_with_table();
     let here = folder.path();
     for (container, names) in [
@@ -122,7 +122,7 @@ fn a_table_ships_in_few_bytes_and_is_read_again() {
     assert!(!here.join("no").exists());
 }
 
-/// A table of isotropic surfaces in the code itself.
+/// The shader code itself contains a table of isotropic surfaces.
 #[test]
 fn a_shader_needs_no_texture_for_isotropic_tables() {
     let (folder, anisotropic) = folder_with_table();
@@ -136,7 +136,7 @@ fn a_shader_needs_no_texture_for_isotropic_tables() {
     let told = run(here, words.iter().chain(&[table.as_str(), "-o", "light.glsl", "--json"])).exited(0);
     let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
     assert_eq!((&told["coefficients"], &told["table"]), (&Value::from(600), &Value::from(digest.to_string())));
-    // A draft with few nodes. docs/layouts.md has the error of a finer table.
+    // A draft with few nodes. The error of a finer table is in docs/layouts.md.
     assert!(told["error"].as_f64().is_some_and(|error| error < 0.06), "{told}");
     let text = fs::read_to_string(here.join("light.glsl")).expect("a file");
     for said in [
@@ -160,7 +160,7 @@ fn a_shader_needs_no_texture_for_isotropic_tables() {
 }
 
 #[test]
-fn what_cannot_be_exported_is_one_line_and_no_file() {
+fn failed_exports_print_one_line_and_write_no_file() {
     let (folder, table) = folder_with_table();
     let here = folder.path();
     fs::write(here.join("file"), "old").expect("a file");
@@ -176,9 +176,9 @@ fn what_cannot_be_exported_is_one_line_and_no_file() {
         (&["flat.npy", "--layout", "kt2022", "-o", "out"], 2, "16 entries have matrices without an inverse"),
         (&[&table, "--layout", "kt2022", "-o", "out"], 2, kt2022),
         (&[&table, "--layout", "cubic", "-o", "out"], 2, "«cubic»"),
-        (&[&table, "--layout", "reflected", "-o", "file"], 1, "file: cannot write there"),
-        (&[&table, "--layout", "reflected", "-o", "file/below"], 1, "file/below: cannot write there"),
-        (&[&table, "--layout", "reflected", "-o", "/proc/none"], 1, "/proc/none: cannot write there"),
+        (&[&table, "--layout", "reflected", "-o", "file"], 1, "file: cannot write to this folder"),
+        (&[&table, "--layout", "reflected", "-o", "file/below"], 1, "file/below: cannot write to this folder"),
+        (&[&table, "--layout", "reflected", "-o", "/proc/none"], 1, "/proc/none: cannot write to this folder"),
         (&["./none", "--layout", "reflected", "-o", "out"], 1, "./none"),
     ];
     for (words, code, said) in cases {
@@ -189,13 +189,13 @@ fn what_cannot_be_exported_is_one_line_and_no_file() {
     assert_eq!(fs::read(here.join("file")).expect("the file"), b"old");
     assert!(!here.join("out").exists());
 
-    // A folder lies where a file should.
+    // There is a folder in place of a file.
     fs::create_dir_all(here.join("taken/ltc_matrix_b.ktx2")).expect("a folder in the way");
     let refused = run(here, ["export", &table, "--for", "wgpu", "-o", "taken"]).exited(1);
     assert!(refused.complaints()[0].starts_with("taken/ltc_matrix_b.ktx2: "), "{}", refused.stderr);
 }
 
-/// A table of an engine's layout in the files of each engine that has it, and of no other.
+/// Exports a table of an engine's layout to all engines with this layout. Other engines reject it.
 #[test]
 fn engines_get_tables_of_their_layouts() {
     let folder = tempfile::tempdir().expect("a folder");

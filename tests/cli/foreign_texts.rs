@@ -1,4 +1,4 @@
-//! Texts and URLs as people, editors and Git leave them.
+//! Texts and URLs with changes that people, editors and Git make.
 
 use std::fs;
 
@@ -10,7 +10,7 @@ use crate::common::{
 };
 
 #[test]
-fn what_git_makes_of_pinned_files_is_told_by_name() {
+fn changes_of_git_to_pinned_files_are_reported_by_name() {
     let (_folder, project) = project();
     let manifest = project.join("assets/ltc/ltcforge.json");
     let right = read(&manifest);
@@ -21,10 +21,10 @@ fn what_git_makes_of_pinned_files_is_told_by_name() {
     run(&project, ["pull", "--offline"]).exited(0);
     assert_eq!(read(&manifest), right);
 
-    // In a checkout `lock` tells the lines, until they are there.
+    // In a Git checkout, `lock` prints lines for .gitattributes until the file contains them.
     fs::create_dir(project.join(".git")).expect("a folder");
     let told = run(&project, ["lock"]).exited(0);
-    let (_, lines) = told.stdout.split_once("of these files:\n").expect("lines");
+    let (_, lines) = told.stdout.split_once("line endings:\n").expect("lines");
     assert!(lines.contains(line) && !lines.contains("ktx2") && !lines.contains("safetensors"), "{told:#?}");
     let json = run(&project, ["lock", "--json"]).exited(0);
     assert!(json.last_line().contains(r#""gitattributes":["#), "{json:#?}");
@@ -63,7 +63,7 @@ fn what_git_makes_of_pinned_files_is_told_by_name() {
 }
 
 #[test]
-fn a_byte_order_mark_is_read_past() {
+fn a_byte_order_mark_is_skipped() {
     let folder = tempfile::tempdir().expect("a folder");
     let marked = format!("\u{feff}{}", SMALL.replace('\n', "\r\n"));
     fs::write(folder.path().join("small.json"), &marked).expect("a recipe");
@@ -76,10 +76,10 @@ fn a_byte_order_mark_is_read_past() {
     let utf_16: Vec<u8> = marked.encode_utf16().flat_map(u16::to_le_bytes).collect();
     fs::write(folder.path().join("small.json"), utf_16).expect("a recipe");
     let told = run(folder.path(), ["fit", "small.json"]).exited(2);
-    assert!(told.stderr.contains("save it in UTF-8"), "{told:#?}");
+    assert!(told.stderr.contains("save it as UTF-8"), "{told:#?}");
 }
 
-/// Whatever is wrong, and wherever the URL stands.
+/// For all errors, and for all places that contain the URL.
 #[test]
 fn no_error_shows_a_password_and_no_port_becomes_another() {
     let (_folder, project) = project();
@@ -87,7 +87,7 @@ fn no_error_shows_a_password_and_no_port_becomes_another() {
     for url in ["http://127.0.0.1:99999", "http://127.0.0.1:0", "http://[::1]:65536"] {
         for words in [&["pull", "--from", url][..], &["pull", "--server", url], &["jobs", "list", "--server", url]] {
             let told = run(&project, words).exited(2);
-            assert!(told.stderr.contains("a port is a number from 1 to 65535"), "{told:#?}");
+            assert!(told.stderr.contains("the port must be a number from 1 to 65535"), "{told:#?}");
         }
     }
     let other = run(&project, ["pull", "--from", "ftp://host"]).exited(2);

@@ -1,4 +1,4 @@
-//! `light-texture`, by the binary.
+//! `light-texture`, tested with the binary.
 
 use std::{fs, path::Path};
 
@@ -12,7 +12,7 @@ fn picture(folder: &Path) {
     picture_of(folder, [6, 4]);
 }
 
-/// A PNG, `sign.png`.
+/// A PNG file `sign.png`.
 fn picture_of(folder: &Path, [width, height]: [u32; 2]) {
     let file = fs::File::create(folder.join("sign.png")).expect("a file");
     let mut encoder = png::Encoder::new(file, width, height);
@@ -22,7 +22,7 @@ fn picture_of(folder: &Path, [width, height]: [u32; 2]) {
 }
 
 #[test]
-fn a_picture_becomes_one_file_of_all_levels() {
+fn a_picture_becomes_one_file_with_all_levels() {
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();
     picture(here);
@@ -38,7 +38,7 @@ fn a_picture_becomes_one_file_of_all_levels() {
     let about = reader.key_value_data().find(|(key, _)| *key == "ltcforge").expect("about").1;
     assert!(String::from_utf8_lossy(about).contains("square on a light of 3 x 1"));
 
-    // The same levels one by one, as the library makes them, on one thread.
+    // The same levels in separate files, as the library makes them on one thread.
     let line = [
         "light-texture",
         "sign.png",
@@ -63,9 +63,9 @@ fn a_picture_becomes_one_file_of_all_levels() {
     }
 }
 
-/// Texels are square on a light of this size up to 8192 a side: this picture loses every second pixel.
+/// Texels are square on a light of this size, with at most 8192 texels per side. This picture loses every second pixel.
 #[test]
-fn a_picture_that_becomes_coarser_is_told() {
+fn a_picture_that_becomes_coarser_is_reported() {
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();
     picture_of(here, [16384, 2]);
@@ -76,11 +76,11 @@ fn a_picture_that_becomes_coarser_is_told() {
     let coarser = said(&["--light", "8192x1"]);
     assert!(coarser.contains("srgb; 14 levels from 8192 x 1 texels"), "{coarser}");
     assert!(
-        coarser.contains("coarser than the picture: at most 8192 texels per side and 16777216 in total\n"),
+        coarser.contains("coarser than the picture: the limit is 8192 texels per side and 16777216 in total\n"),
         "{coarser}"
     );
     assert!(!said(&[]).contains("coarser"), "{}", said(&[]));
-    // Coarser along one side alone.
+    // Coarser along only one side.
     picture_of(here, [776, 866]);
     let coarser = said(&["--light", "20x1"]);
     assert!(coarser.contains("8192 x 410 texels") && coarser.contains("coarser than the picture"), "{coarser}");
@@ -97,12 +97,12 @@ fn a_profile_becomes_a_picture_of_its_directions() {
     assert!(said.starts_with("IES LM-63, 1 x 3 angles, linear; 10 levels from 512 x 512 texels, rgba16f\n"), "{said}");
     let image =
         LightPicture::decode(&fs::read(here.join("out/light_0.exr")).expect("a file"), None).expect("a picture");
-    // The finest level is blurred by two texels; around 45 degrees the radiance falls evenly.
+    // The finest level is blurred by two texels. Around 45 degrees the radiance decreases evenly.
     let texel = f64::from(image.image.row(256)[256 + 64][1]);
     assert!((texel / (400.0 * 2.0_f64.sqrt()) - 1.0).abs() < 0.03, "{texel}");
     let line = ["light-texture", "spot.ies", "-o", "none", "--light", "1x2", "--transfer", "srgb"];
     let ran = run(here, line).exited(1);
-    let wanted = "spot.ies: an IES profile is linear and needs no size of a light: leave out light and transfer";
+    let wanted = "spot.ies: an IES profile is always linear and has no light size: leave out light and transfer";
     assert!(ran.stderr.contains(wanted), "{}", ran.stderr);
     fs::write(here.join("broken.ies"), profile.replace("800", "-800")).expect("a file");
     let ran = run(here, ["light-texture", "broken.ies", "-o", "none"]).exited(1);
@@ -112,12 +112,12 @@ fn a_profile_becomes_a_picture_of_its_directions() {
 }
 
 #[test]
-fn what_is_no_picture_is_named_and_nothing_is_written() {
+fn files_that_are_not_pictures_are_named_and_nothing_is_written() {
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();
     picture(here);
     fs::write(here.join("text.png"), "no picture").expect("a file");
-    // Two pixels of Radiance HDR, then one.
+    // A Radiance HDR file for two pixels, with only one pixel.
     fs::write(here.join("short.hdr"), b"#?RADIANCE\n\n-Y 1 +X 2\n\x01\x02\x03\x80").expect("a file");
     for (file, more, exit, said) in [
         (

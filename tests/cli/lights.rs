@@ -18,7 +18,7 @@ pub(crate) fn rows(text: &str) -> Vec<Vec<f64>> {
 }
 
 #[test]
-fn light_tells_energy_and_fresnel_part_of_each_line() {
+fn light_prints_energy_and_fresnel_part_of_each_line() {
     let folder = tempfile::tempdir().expect("a folder");
     let header = "\u{feff}alpha_x,alpha_y,theta,phi,sides,x0,y0,z0,x1,y1,z1,x2,y2,z2\r\n";
     fs::write(folder.path().join("lights.csv"), format!("{header}{LIGHTS}")).expect("lights");
@@ -28,7 +28,7 @@ fn light_tells_energy_and_fresnel_part_of_each_line() {
     assert_eq!(found.len(), 2);
     assert!(found.iter().all(|row| row[0] > 0.05 && row[0] < 1.0 && row[1] >= 0.0 && row[1] < row[0]), "{found:?}");
 
-    // The truth stands beside it, and rules are near to it and not the same.
+    // With `--truth`, the truth has its own columns. The rules are near to the truth, and differ from each other.
     let with = |options: &[&str]| run_with_stdin(folder.path(), ["light", "-"].iter().chain(options), LIGHTS).exited(0);
     let printed = with(&["--truth"]);
     assert_eq!(printed.stdout.lines().next(), Some("energy,fresnel,true_energy,true_fresnel"));
@@ -44,7 +44,7 @@ fn light_tells_energy_and_fresnel_part_of_each_line() {
         assert!((row[0] - row[2]).abs() < 0.15 && row[0] > 0.0 && row[1] < row[0], "{row:?}");
     }
 
-    // Numbers are the same in JSON, to the last bit.
+    // JSON has the same numbers, to the last bit.
     let told = with(&["--json", "--truth"]).stdout;
     let told: Vec<Value> = told.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
     for (told, row) in told.iter().zip(rows(&printed.stdout)) {
@@ -55,7 +55,7 @@ fn light_tells_energy_and_fresnel_part_of_each_line() {
 }
 
 #[test]
-fn light_by_a_table_takes_a_table_and_only_then() {
+fn only_light_by_a_table_accepts_a_table() {
     let folder = tempfile::tempdir().expect("a folder");
     let digest = run_with_stdin(folder.path(), ["fit", "-"], SMALL).exited(0).last_line().to_owned();
     let with = |options: &[&str]| run_with_stdin(folder.path(), ["light", "-"].iter().chain(options), LIGHTS);
@@ -95,7 +95,7 @@ fn light_names_the_line_and_the_column_that_is_wrong() {
         refused.complaints(),
         ["l.csv, line 3: theta is «1.7»; a polar angle must be at least 0 and below pi/2, in radians"]
     );
-    // The rows before the fault are answered.
+    // The rows before the error are printed.
     assert_eq!(refused.stdout.lines().count(), 2);
     let star = "1,1,0,0,2,0,1,1,0.6,-0.8,1,-0.95,0.3,1,0.95,0.3,1,-0.6,-0.8,1\n";
     let refused = run_with_stdin(folder.path(), ["light", "-"], star).exited(2);
@@ -109,9 +109,9 @@ fn light_names_the_line_and_the_column_that_is_wrong() {
     run(folder.path(), ["light", "none.csv"]).exited(1);
 }
 
-/// Configurations out of a table's range, by each model that has a table, told as `lookup` tells them.
+/// Configurations outside a table's range, for each model that has a table. `light` reports them like `lookup`.
 #[test]
-fn light_by_a_table_tells_what_lies_out_of_its_range() {
+fn light_by_a_table_reports_points_outside_its_range() {
     let folder = tempfile::tempdir().expect("a folder");
     let light = "2,-1,-1,2,-1,1,2,1,1,2,1,-1,2";
     let points = ["0.5,0.4,0.7,0.3", "0.01,0.01,0.7,0", "0.5,0.4,1.2,0", "0.02,0.02,1.2,0.1"];
@@ -143,7 +143,7 @@ fn light_by_a_table_tells_what_lies_out_of_its_range() {
     assert!(printed.stderr.is_empty() && !printed.stdout.contains("clamped"), "{printed:#?}");
 }
 
-/// A surface and a view, with a light of each shape but polygons.
+/// A surface and a view, with a light of each shape except polygons.
 const SHAPES: [(&str, &str); 4] = [
     ("disk", "0.5,0.25,0.7,0.3,2,-1,0.2,1.5,0.6,0,0,0,0.4,0.2"),
     ("sphere", "0.5,0.25,0.7,0.3,-1,0.2,1.5,0.5"),
@@ -167,7 +167,7 @@ fn every_shape_is_lit_by_every_model() {
             assert!((energy - true_energy).abs() < limit * true_energy.max(0.3), "{shape} {model:?}");
             assert!(0.0 <= fresnel && fresnel < energy && true_fresnel < true_energy, "{shape} {model:?}");
         }
-        // A row of another shape is none of this one, and names what it has.
+        // A row for another shape is rejected, and the error names the columns of this shape.
         for (other, wrong) in SHAPES.iter().filter(|(_, other)| other.split(',').count() != line.split(',').count()) {
             let refused =
                 run_with_stdin(folder.path(), ["light", "-", "--light", shape], &format!("{wrong}\n")).exited(2);
@@ -193,7 +193,7 @@ fn every_shape_is_lit_by_every_model() {
     );
 }
 
-/// A shaded point in the middle of a polygon, and in the plane of one and within its outline, by every model.
+/// The shaded point is in the middle of a polygon, or in its plane and within its outline. All models reject it.
 #[test]
 fn light_refuses_a_shaded_point_within_a_polygon() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -210,16 +210,16 @@ fn light_refuses_a_shaded_point_within_a_polygon() {
             let said = ["standard input, line 1: the shaded point lies inside the light"];
             assert_eq!(refused.complaints(), said, "{line} {options:?}");
         }
-        // Beside the outline it is seen edge on, and nothing is seen of it.
+        // Outside the outline, a light in the same plane is seen edge-on and reflects nothing.
         let beside = "0.5,0.5,0.7,0,2,0,1,-2,0,1,1,0,2,1\n";
         let lit = run_with_stdin(folder.path(), ["light", "-"].iter().chain(options), beside).exited(0);
         assert!(rows(&lit.stdout)[0].iter().all(|x| x.abs() < 0.01), "{options:?} {}", lit.stdout);
     }
 }
 
-/// The example of the documentation, as it stands there.
+/// Checks the example of the docs.
 #[test]
-fn the_documentation_shows_what_is_printed() {
+fn the_documentation_shows_the_printed_output() {
     let text = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/lights.md")).expect("the documentation");
     let block = text.split("```").find_map(|block| block.strip_prefix("console\n")).expect("a session");
     let [_, lights, answer] = block.split("$ ").collect::<Vec<_>>()[..] else { panic!("{block}") };
@@ -231,9 +231,9 @@ fn the_documentation_shows_what_is_printed() {
     assert_eq!(run(folder.path(), ["light", "lights.csv", "--truth"]).exited(0).stdout, answer);
 }
 
-/// A light below the surface shines through an LTC, and not where it is cut.
+/// With an LTC, a light below the surface shines through. With `--cut`, it does not.
 #[test]
-fn what_is_cut_at_the_surface_lets_nothing_through() {
+fn with_cut_no_light_shines_through_the_surface() {
     let folder = tempfile::tempdir().expect("a folder");
     let table = run_with_stdin(folder.path(), ["fit", "-"], SMALL).exited(0).last_line().to_owned();
     let below =
@@ -244,7 +244,7 @@ fn what_is_cut_at_the_surface_lets_nothing_through() {
     };
     let (whole, cut) = (with(&[]), with(&["--cut"]));
     assert!(whole[0][0] > 0.0 && cut[0] == [0.0, 0.0], "{whole:?} {cut:?}");
-    // What is above is lit by a lobe that is all above, which is brighter there.
+    // The light above the surface is brighter, because the whole lobe is now above the surface.
     assert!(cut[1][0] > whole[1][0] && cut[1][0] < 1.2 * whole[1][0], "{whole:?} {cut:?}");
     for model in ["normals", "asg"] {
         let refused = run_with_stdin(folder.path(), ["light", "-", "--cut", "--model", model], below).exited(2);
@@ -258,10 +258,10 @@ fn what_is_cut_at_the_surface_lets_nothing_through() {
     assert!(run(folder.path(), example).exited(2).stderr.contains("--cut needs --as include"));
 }
 
-/// A picture of four colours on a square: what is reflected of each channel is near to the truth, a mirror shows the colour that it
-/// faces, and faults are told at once.
+/// A picture of four colours on a square. The reflected light of each channel is near to the truth, a mirror shows the
+/// colour in its mirror direction, and all errors are reported at once.
 #[test]
-fn light_tells_the_channels_of_a_picture() {
+fn light_prints_the_channels_of_a_picture() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("tv.png");
     let mut encoder = png::Encoder::new(fs::File::create(&path).expect("a file"), 64, 64);
@@ -269,7 +269,7 @@ fn light_tells_the_channels_of_a_picture() {
     let quarters: [[u8; 3]; 4] = [[255, 0, 0], [0, 255, 0], [0, 0, 255], [255; 3]];
     let pixels: Vec<u8> = (0..64 * 64).flat_map(|i| quarters[i % 64 / 32 + i / 2048 * 2]).collect();
     encoder.write_header().and_then(|mut writer| writer.write_image_data(&pixels)).expect("a picture");
-    // From its lit side below, the square's upper left is at -x, +y: clockwise from there.
+    // Seen from its lit side below, the upper left corner of the square is at -x, +y. The order is clockwise.
     let square = |x: f64, y: f64| {
         let corners =
             [[-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [1.0, 1.0]].map(|[a, b]| format!(",{},{},2", a + x, b + y));
@@ -288,7 +288,7 @@ fn light_tells_the_channels_of_a_picture() {
         assert!((2..5).all(|i| (row[i] - row[i + 5]).abs() < 0.02), "{row:?}");
         assert!((row[7..].iter().fold(0.0, |a: f64, b| a.max(*b))) <= row[5] + 1e-4, "{row:?}");
     }
-    // The first vertex has the picture's upper left, red.
+    // The first vertex is the upper left of the picture, which is red.
     assert!(found[0][2] > 0.9 && found[0][3] < 0.05 && found[0][4] < 0.05, "{:?}", found[0]);
     let half = rows(&with(&["tv.png", "--f0", "0.5", "--f90", "0.5", "--readings", "6"]).exited(0).stdout);
     assert!((half[0][3] - 0.5 * found[0][2]).abs() < 1e-3, "{half:?}");
@@ -296,13 +296,14 @@ fn light_tells_the_channels_of_a_picture() {
     let told: Value = serde_json::from_str(told.lines().next().expect("a line")).expect("JSON");
     assert_eq!(told["red"].as_f64(), Some(found[0][2]));
 
-    // What facets lose is given back to each channel as to the whole light, in truth too.
+    // Compensation applies the same factor to each channel as to the whole light, also in truth.
     let [once, all] =
         [&["tv.png", "--f0", "0.8", "--truth"][..], &["tv.png", "--f0", "0.8", "--truth", "--compensate"]]
             .map(|options| rows(&with(options).exited(0).stdout)[1].clone());
     let gains: Vec<f64> = once.iter().zip(&all).skip(2).map(|(once, all)| all / once).collect();
     let same = |gains: &[f64]| gains.iter().all(|gain| (gain - gains[0]).abs() < 1e-6 && *gain > 1.01);
-    // Columns: reflected, three channels, energy and Fresnel part in truth, and the same again.
+    // The columns are the reflected light, three channels, true energy and Fresnel part, and then the same with
+    // compensation.
     assert!(same(&gains[..4]) && same(&[&gains[6..]].concat()), "{gains:?}");
 
     let refused = with(&["tv.png", "--f0", "0.5", "--f82", "0.4", "--light", "sphere"]).exited(2);

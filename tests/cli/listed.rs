@@ -1,4 +1,4 @@
-//! Tables of listed materials, and of nodes given one by one.
+//! Tables of listed materials, and tables with explicit nodes.
 
 use serde_json::Value;
 
@@ -48,7 +48,7 @@ fn a_material_is_looked_up_by_its_number() {
 }
 
 #[test]
-fn a_text_has_the_nodes_of_a_table_that_gives_them() {
+fn a_shader_text_contains_explicit_nodes() {
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();
     let uneven = fitted(here, r#""nodes": {"alpha": [0.04, 0.09, 0.25], "ratio": [1]}"#);

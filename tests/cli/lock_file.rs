@@ -1,4 +1,4 @@
-//! A project pins its tables by hash: what `lock` writes into the lock file, and which lock files are refused.
+//! A project pins its tables by hash: the lock file that `lock` writes, and lock files that are rejected.
 
 use std::{ffi::OsStr, fs, os::unix::ffi::OsStrExt as _, process::Child, time::SystemTime};
 
@@ -34,7 +34,7 @@ fn a_recipe_is_pinned_with_its_table_and_its_textures() {
         assert!(lock.contains(&pin), "{}: {pin} is not in {lock}", path.display());
     }
 
-    // Pinned again, nothing changes: not even a time.
+    // Pinning again changes nothing, not even a modification time.
     let before = files_of(&project);
     let times: Vec<SystemTime> = before.iter().map(|(path, _)| modified(path)).collect();
     run(&project, ["lock"]).exited(0);
@@ -50,7 +50,7 @@ fn a_recipe_is_pinned_with_its_table_and_its_textures() {
 }
 
 #[test]
-fn an_export_that_this_program_makes_otherwise_is_refused() {
+fn an_export_with_other_bytes_than_this_program_makes_is_rejected() {
     let (_folder, project) = project();
     let lock = read(&project.join("ltcforge.lock"));
     let texture = project.join("assets/ltc/ltc_terms.ktx2");
@@ -61,7 +61,7 @@ fn an_export_that_this_program_makes_otherwise_is_refused() {
         (lock.replace(&pin, &format!("digest = \"{}\" }}", Digest::of(b"old"))), 3, "this version makes sha256:"),
         (lock.replace(&format!("{terms}\n"), ""), 3, "which is not pinned"),
         (lock.replace("ltc/ltc_terms", "ltc/ltc_words"), 3, "this version does not make this file"),
-        (lock.replace("for = \"wgpu\"", "for = \"unity\""), 2, "for is «unity»; allowed: three, "),
+        (lock.replace("for = \"wgpu\"", "for = \"unity\""), 2, "«for» must be one of three, "),
     ];
     fs::remove_file(project.join("assets/ltc/ltc_matrix_a.ktx2")).expect("a file");
     for (wrong, code, said) in cases {
@@ -72,7 +72,7 @@ fn an_export_that_this_program_makes_otherwise_is_refused() {
         assert!(refused.stderr.contains(said), "{said}: {refused:#?}");
         assert_eq!(files_of(&project), before, "{said}");
     }
-    // `lock` pins what this program makes.
+    // `lock` pins the bytes that this program makes.
     fs::write(project.join("ltcforge.lock"), lock.replace(&format!("{terms}\n"), "")).expect("a lock file");
     run(&project, ["lock"]).exited(0);
     assert_eq!(read(&project.join("ltcforge.lock")), lock);
@@ -80,7 +80,7 @@ fn an_export_that_this_program_makes_otherwise_is_refused() {
 }
 
 #[test]
-fn a_table_of_a_server_is_pinned_by_its_digest() {
+fn a_table_on_a_server_is_pinned_by_its_digest() {
     let folder = tempfile::tempdir().expect("a folder");
     let project = folder.path().join("project");
     fs::create_dir(&project).expect("a project");
@@ -101,11 +101,11 @@ fn a_table_of_a_server_is_pinned_by_its_digest() {
     let text = read(&project.join("ltcforge.lock"));
     assert!(text.contains(&format!("sources = [\"{}\"]", server.url)), "{text}");
 
-    // An older pin of the name stays as it was.
+    // The previous pin with this name does not change.
     lock("metal", &missing, &server.url, 1);
     assert_eq!(read(&project.join("ltcforge.lock")), text);
 
-    // Files that are right are neither touched nor requested.
+    // Correct files are neither changed nor requested.
     let before = modified(&file);
     pull(&project, NOBODY, &[]).exited(0);
     assert_eq!(modified(&file), before);
@@ -117,7 +117,7 @@ fn a_table_of_a_server_is_pinned_by_its_digest() {
 }
 
 #[test]
-fn a_pin_that_the_server_lacks_keeps_no_other_out_and_version_1_is_read() {
+fn a_missing_table_does_not_block_other_pins_and_version_1_is_read() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(&folder.path().join("data"), &[]);
     let digest = server.fit(SMALL);
@@ -135,7 +135,7 @@ fn a_pin_that_the_server_lacks_keeps_no_other_out_and_version_1_is_read() {
     assert!(folder.path().join("metal").exists());
     assert_eq!(read(&path), lock, "pull writes no lock file");
 
-    // A pin without a recipe cannot be fitted, and `lock` brings the file to the present version.
+    // A pin without a recipe cannot be fitted. `lock` upgrades the file to the current version.
     fs::remove_file(folder.path().join("metal")).expect("a file");
     let refused = run(folder.path(), ["pull", "--offline", "--fit"]).exited(1);
     assert!(refused.stderr.contains("run `ltcforge lock`"), "{refused:#?}");
@@ -148,7 +148,7 @@ fn a_pin_that_the_server_lacks_keeps_no_other_out_and_version_1_is_read() {
 }
 
 #[test]
-fn a_lock_file_that_is_wrong_is_refused_before_anything_is_written() {
+fn an_invalid_lock_file_is_rejected_before_anything_is_written() {
     let (folder, project) = project();
     let lock = read(&project.join("ltcforge.lock"));
     let outside = files_of(folder.path()).len();
@@ -188,7 +188,7 @@ fn a_lock_file_that_is_wrong_is_refused_before_anything_is_written() {
 }
 
 #[test]
-fn what_cannot_be_pinned_changes_no_file() {
+fn a_failed_lock_changes_no_file() {
     let (folder, project) = project();
     fs::write(folder.path().join("table.npy"), b"\x93NUMPY\x01\x00").expect("a file");
     fs::write(folder.path().join("bytes"), "no table").expect("a file");
@@ -218,7 +218,7 @@ fn what_cannot_be_pinned_changes_no_file() {
 }
 
 #[test]
-fn of_many_locks_at_once_none_loses_a_pin_or_an_export() {
+fn many_concurrent_locks_lose_no_pin_and_no_export() {
     const COUNT: usize = 12;
     let (_folder, project) = project();
     fs::copy(project.join("assets/metal.safetensors"), project.join("table")).expect("a copy");
@@ -249,6 +249,6 @@ fn of_many_locks_at_once_none_loses_a_pin_or_an_export() {
     run(&project, ["pull", "--locked"]).exited(0);
     assert!(
         !files_of(&project).iter().any(|(path, _)| path.to_string_lossy().contains(".ltcforge.")),
-        "nothing is left"
+        "a temporary file is left"
     );
 }

@@ -1,4 +1,4 @@
-//! Command `light`: what materials reflect.
+//! Command `light`: the light that materials reflect.
 
 use serde_json::Value;
 
@@ -9,7 +9,7 @@ use crate::common::{
 };
 
 #[test]
-fn light_of_a_material_is_its_share_of_both_parts() {
+fn light_of_a_material_is_a_weighted_sum_of_both_parts() {
     let folder = tempfile::tempdir().expect("a folder");
     let with = |options: &[&str]| run_with_stdin(folder.path(), ["light", "-"].iter().chain(options), LIGHTS);
     let printed = with(&["--f0", "0.04", "--f90", "0.5", "--truth"]).exited(0).stdout;
@@ -40,9 +40,9 @@ fn light_of_a_material_is_its_share_of_both_parts() {
     }
 }
 
-/// `--material` stands for two columns, and its rotation for that of view and light.
+/// `--material` replaces two columns, and its rotation is the same as rotating view and light the other way.
 #[test]
-fn light_of_a_described_material_is_that_of_its_roughness() {
+fn a_described_material_reflects_like_its_roughness() {
     let folder = tempfile::tempdir().expect("a folder");
     let with =
         |options: &[&str], lines: &str| run_with_stdin(folder.path(), ["light", "-"].iter().chain(options), lines);
@@ -53,7 +53,7 @@ fn light_of_a_described_material_is_that_of_its_roughness() {
     let header = "theta,phi,sides,x0,y0,z0,x1,y1,z1,x2,y2,z2";
     assert_eq!(with(&material, &format!("{header}\n{lit}")).exited(0).stdout, columns);
 
-    // A quarter turn swaps what lies along and across.
+    // A quarter turn swaps the roughness along and across the tangent.
     let turned = "gltf:roughnessFactor=0.5,anisotropyStrength=0.5,anisotropyRotation=1.5707963267948966";
     let found = rows(&with(&["--material", turned], lit).exited(0).stdout);
     let swapped = rows(&with(&[], &format!("0.25,0.4375,{lit}")).exited(0).stdout);
@@ -61,7 +61,7 @@ fn light_of_a_described_material_is_that_of_its_roughness() {
     let along = rows(&with(&[], &format!("0.4375,0.25,{lit}")).exited(0).stdout);
     assert!((along[0][0] - swapped[0][0]).abs() > 1e-3, "{along:?} {swapped:?}");
 
-    // Rougher than 1 is told, and what is wrong refused, all at once.
+    // A roughness above 1 is clamped with a message. All errors are reported at once.
     let rough = with(&["--material", "disney:roughness=1,anisotropic=1"], lit).exited(0);
     assert!(rough.stderr.contains("is clamped to 1") && !rough.stdout.contains("NaN"), "{}", rough.stderr);
     let refused = with(&["--material", "disney:roughness=2,shiny=1"], lit).exited(2).stderr;
@@ -70,8 +70,8 @@ fn light_of_a_described_material_is_that_of_its_roughness() {
     assert!(refused.contains("14 fields; a light has theta,phi,sides"), "{refused}");
 }
 
-/// A metal by F82 reflects less than by Schlick's factor, by a formula and by a table that has the term; others say what
-/// they lack.
+/// A metal by F82 reflects less than by Schlick's factor: with a closed form, and with a table that has the edge term.
+/// Other tables report the missing term.
 #[test]
 fn light_of_a_metal_is_darker_at_its_edge() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -106,7 +106,7 @@ fn light_of_a_metal_is_darker_at_its_edge() {
     assert!(with(&["--f82", "0.5"]).exited(2).stderr.contains("--f0"));
 }
 
-/// Lights around the mirrored views of smooth to rough surfaces, low ones among them.
+/// Lights around the mirror directions of smooth to rough surfaces. Some lights are low.
 fn lights_around_reflections() -> String {
     let mut lines = Vec::new();
     for alpha in [0.06, 0.16, 0.36] {
@@ -123,7 +123,7 @@ fn lights_around_reflections() -> String {
 }
 
 #[test]
-fn a_table_of_plastic_is_nearer_for_plastic_and_one_of_both_for_both() {
+fn a_table_for_plastic_is_nearer_for_plastic_and_a_table_for_both_is_between() {
     let folder = tempfile::tempdir().expect("a folder");
     let lights = lights_around_reflections();
     let error = |fresnel: &str, f0: &str| {
@@ -142,9 +142,10 @@ fn a_table_of_plastic_is_nearer_for_plastic_and_one_of_both_for_both() {
     assert!(metal[0] < metal[1] && metal[2] < 0.5 * (metal[0] + metal[1]), "{metal:?}");
 }
 
-/// Two lobes serve metal as one does, and plastic far better, by two integrals and by one of their blend.
+/// For metal, two lobes are as good as one. For plastic they are far better, with two integrals and with the integral
+/// of their blend.
 #[test]
-fn two_lobes_are_near_for_metal_and_for_plastic() {
+fn two_lobes_are_accurate_for_metal_and_for_plastic() {
     let folder = tempfile::tempdir().expect("a folder");
     let lights = lights_around_reflections();
     let fitted = |fresnel: &str| {
@@ -169,7 +170,7 @@ fn two_lobes_are_near_for_metal_and_for_plastic() {
     let blend = error(&blended, &["--f0", "1", "--blend"]);
     assert!([metal[1], metal[2], blend].iter().all(|error| (error - metal[0]).abs() < 1e-14), "{metal:?} {blend}");
     let refused = by(&one, &["--f0", "0.04", "--blend"]).exited(2).stderr.clone();
-    assert!(refused.contains("one lobe an entry") && refused.contains("blended_lobes"), "{refused}");
+    assert!(refused.contains("one lobe per entry") && refused.contains("blended_lobes"), "{refused}");
     let found =
         run_with_stdin(folder.path(), ["lookup", &two, "--points", "-"], "0.5,0.5,0.7,0").exited(0).stdout.clone();
     assert!(found.lines().next().is_some_and(|head| head.ends_with("second22")), "{found}");
@@ -182,17 +183,18 @@ fn two_lobes_are_near_for_metal_and_for_plastic() {
     }
     let engine = run(folder.path(), ["export", &two, "--for", "three", "-o", "out"]).exited(2).stderr.clone();
     assert!(
-        engine.contains("two") && engine.contains(r#"this recipe gives a table that has them: {"layout": "ltc2017"}"#),
+        engine.contains("two")
+            && engine.contains(r#"this recipe gives a table with these textures: {"layout": "ltc2017"}"#),
         "{engine}"
     );
 }
 
-/// The default anisotropic table with two lobes, of plastic: off by about a third of what one lobe is.
+/// The default anisotropic table with two lobes. For plastic, its error is about a third of the error with one lobe.
 #[test]
-fn two_lobes_serve_plastic_on_brushed_surfaces() {
+fn two_lobes_are_accurate_for_plastic_on_brushed_surfaces() {
     let folder = tempfile::tempdir().expect("a folder");
     let lights = lights_around_reflections();
-    // Brushed along and across the view.
+    // Surfaces brushed along the view and across it.
     let brushed: Vec<String> = (lights.lines().enumerate())
         .filter_map(|(i, line)| {
             let mut fields = line.split(',').map(str::to_owned).collect::<Vec<_>>();
@@ -215,9 +217,9 @@ fn two_lobes_serve_plastic_on_brushed_surfaces() {
     assert!(found[1] < 0.5 * found[0] && found[2] < 0.6 * found[0], "{found:?}");
 }
 
-/// What a metal reflects is brighter by the albedo of its surface, and nothing else changes.
+/// Compensation makes a metal brighter by a factor that depends on the albedo of its surface. Nothing else changes.
 #[test]
-fn what_facets_lose_is_given_back() {
+fn compensation_restores_the_lost_light() {
     let folder = tempfile::tempdir().expect("a folder");
     let rough = "1,1,0.3,0,2,-1,-1,2,-1,1,2,1,1,2,1,-1,2\n";
     let with = |options: &[&str]| run_with_stdin(folder.path(), ["light", "-"].iter().chain(options), rough);
@@ -227,14 +229,14 @@ fn what_facets_lose_is_given_back() {
     for i in [0, 1, 3, 4] {
         assert_eq!(all[i], once[i]);
     }
-    // The albedo is 0.32 there: the factor is 1 + 0.9 (1 / 0.32 - 1).
+    // The albedo is 0.32 in this configuration, so the factor is 1 + 0.9 (1 / 0.32 - 1).
     for i in [2, 5] {
         let factor = all[i] / once[i];
         assert!((factor - 2.9).abs() < 0.2, "{factor}");
     }
     assert_eq!(numbers(&["--f0", "0", "--compensate"]), numbers(&["--f0", "0"]));
     assert!(with(&["--compensate"]).exited(2).stderr.contains("--f0"));
-    // A table has its amplitude, and one of a model without facets is refused.
+    // A table uses its own amplitude. A table for a model without facets is rejected.
     let fit = |recipe: &str| run_with_stdin(folder.path(), ["fit", "-"], recipe).exited(0).last_line().to_owned();
     let table = fit(SMALL);
     let by_table = |table: &str, more: &[&str]| {

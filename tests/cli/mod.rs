@@ -1,4 +1,4 @@
-//! The command line, by its output and its exit codes.
+//! Tests of the command line: its output and its exit codes.
 
 mod answers;
 mod ci;

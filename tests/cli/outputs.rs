@@ -1,5 +1,5 @@
-//! Where a command writes: any path works, what cannot be written is told before the work, and a write that fails
-//! leaves what was there.
+//! Output paths of commands. Any path is possible, errors are reported before the work, and a failed write leaves the
+//! old file.
 
 use std::{
     ffi::{OsStr, OsString},
@@ -14,19 +14,19 @@ use crate::common::{
     command::{Run, run, run_with_stdin},
 };
 
-/// A name that is not UTF-8, with an extension.
+/// A file name that is not UTF-8, with an extension.
 fn odd(extension: &str) -> OsString {
     let mut name = OsStr::from_bytes(b"odd\xff").to_owned();
     name.push(extension);
     name
 }
 
-/// Arguments: words and paths.
+/// A command line of words and paths.
 fn line(words: &[&dyn AsRef<OsStr>]) -> Vec<OsString> {
     words.iter().map(|word| (*word).as_ref().to_owned()).collect()
 }
 
-/// Runs the binary where no file may have a byte.
+/// Runs the binary with a file size limit of zero bytes.
 fn run_without_room(folder: &Path, args: &[&str]) -> Run {
     let script = r#"trap "" XFSZ; ulimit -f 0; exec "$0" "$@""#;
     let mut command = Command::new("sh");
@@ -67,12 +67,12 @@ fn paths_that_are_not_utf_8_work_in_every_command() {
 }
 
 #[test]
-fn what_cannot_be_written_is_told_before_the_work() {
+fn an_output_that_cannot_be_written_is_reported_before_the_work() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("file"), "x").expect("a file");
     fs::write(folder.path().join("r.json"), ENDLESS).expect("a recipe");
     let shader = ["shader", "--language", "wgsl", "--layout", "reflected", "-o"];
-    // There is no table either: that would be told if the output were not looked at first.
+    // The table does not exist either. The output is checked first, so the error is about the output.
     let pictures: [&[&str]; 3] = [&["preview", "./none", "-o"], &["plot", "./none", "matrix", "-o"], &shader];
     for command in pictures {
         for (out, said) in [
@@ -85,7 +85,7 @@ fn what_cannot_be_written_is_told_before_the_work() {
             assert!(refused.complaints()[0].starts_with(said), "{refused:#?}");
         }
     }
-    // These would fit for hours.
+    // These fits would take hours.
     for command in [["fit", "r.json", "-o"].as_slice(), &["tradeoff", "--recipe", "./r.json", "-o"]] {
         for out in ["file", "file/below", "/proc/below"] {
             let refused = run(folder.path(), command.iter().chain(&[out])).exited(1);
@@ -98,12 +98,12 @@ fn what_cannot_be_written_is_told_before_the_work() {
         (["--lock", "none/l"].as_slice(), "none/l: there is no folder none"),
         (&["--to", "folder"], "folder: this is not a regular file"),
         (&["--to", "file/a.safetensors"], "file/a.safetensors: Not a directory"),
-        (&["--for", "wgpu", "--out", "file"], "file: cannot write there"),
+        (&["--for", "wgpu", "--out", "file"], "file: cannot write to this folder"),
     ] {
         let refused = run(folder.path(), recipe.iter().chain(more)).exited(1);
         assert!(refused.complaints()[0].contains(said), "{refused:#?}");
     }
-    assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 3, "nothing was made");
+    assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 3, "a file was made");
 }
 
 #[test]
@@ -124,7 +124,7 @@ fn a_write_that_fails_leaves_the_old_file() {
         let failed = run_without_room(folder.path(), command).exited(1);
         assert!(failed.stderr.contains("File too large"), "{failed:#?}");
         assert_eq!(fs::read(&out).expect("the old file"), b"old", "{command:?}");
-        assert_eq!(count(), before, "nothing is left");
+        assert_eq!(count(), before, "a temporary file is left");
         run(folder.path(), command).exited(0);
         assert_ne!(fs::read(&out).expect("the new file"), b"old");
     }

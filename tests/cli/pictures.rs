@@ -1,4 +1,4 @@
-//! Commands that render and translate.
+//! Commands that render pictures and translate shaders.
 
 use std::{fs, path::Path};
 
@@ -10,7 +10,7 @@ use crate::common::{
 };
 
 #[test]
-fn preview_writes_a_picture_and_says_what_rendered_it() {
+fn preview_writes_a_picture_and_names_the_renderer() {
     let folder = tempfile::tempdir().expect("a folder");
     let fitted = run_with_stdin(folder.path(), ["fit", "-"], SMALL).exited(0);
     let beginning = &fitted.last_line()[..16];
@@ -21,7 +21,7 @@ fn preview_writes_a_picture_and_says_what_rendered_it() {
     let file = fs::read(folder.path().join("p.png")).expect("the picture");
     assert!(file.starts_with(b"\x89PNG\r\n"));
 
-    // One material takes the place of the scene's four.
+    // One material replaces the scene's four materials.
     let one = ["--mode", "difference", "--scene", "figure14", "--alpha-x", "0.2", "--json"];
     let told = run(folder.path(), arguments.iter().chain(&one)).exited(0);
     let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
@@ -36,7 +36,8 @@ fn preview_writes_a_picture_and_says_what_rendered_it() {
     );
 }
 
-/// A picture of one colour lights as none does. What has no picture is refused, all at once.
+/// A picture of one colour lights like no picture. Lights that cannot have a picture are rejected, with all errors at
+/// once.
 #[test]
 fn preview_shows_a_picture_on_the_light() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -58,7 +59,7 @@ fn preview_shows_a_picture_on_the_light() {
     let white = radiance(&["--mode", "models", "--light-texture", "white.png"]);
     assert!((even.0 - white.0).abs() < 1e-5 && (even.1 - white.1).abs() < 1e-4, "{even:?} {white:?}");
     let red = radiance(&["--mode", "models", "--light-texture", "red.png", "--light-readings", "2"]);
-    // The grey background shows through at the sphere's rim.
+    // The grey background is visible at the rim of the sphere.
     assert!((even.0 - 3.0 * red.0).abs() < 0.02 * even.0, "{even:?} {red:?}");
     let screen = radiance(&["--mode", "models", "--scene", "screen"]);
     assert!(screen.1 < 0.5 * screen.0, "{screen:?}");
@@ -89,9 +90,9 @@ fn write_png(folder: &Path, name: &str, colour: [u8; 3]) {
     encoder.write_header().and_then(|mut writer| writer.write_image_data(&pixels)).expect("a picture");
 }
 
-/// A table is compared with its own scattering model, and with nothing that is of GGX alone.
+/// A table is compared with its own scattering model. Comparisons with models that only support GGX are rejected.
 #[test]
-fn a_table_of_another_scattering_model_is_shown_beside_its_own() {
+fn a_table_of_another_scattering_model_is_compared_with_this_model() {
     let folder = tempfile::tempdir().expect("a folder");
     let recipe = r#"{"brdf": "charlie", "resolution": {"alpha": 4, "theta": 4}, "fit": {"samples": 64, "directions": 6, "steps": 20}}"#;
     let fitted = run_with_stdin(folder.path(), ["fit", "-"], recipe).exited(0);
@@ -129,14 +130,14 @@ fn a_table_of_another_scattering_model_is_shown_beside_its_own() {
     let tradeoff = run_with_stdin(folder.path(), ["tradeoff", "--recipe", "-", "--quick", "-o", "."], recipe).exited(2);
     assert!(tradeoff.stderr.contains("/brdf: ") && tradeoff.stderr.contains("got charlie"), "{tradeoff:#?}");
 
-    // Normally distributed slopes have no such tails as an LTC.
+    // Normally distributed slopes have shorter tails than an LTC.
     let recipe = SMALL.replacen('{', r#"{"brdf": "beckmann","#, 1);
     let beckmann = run_with_stdin(folder.path(), ["fit", "-"], &recipe).exited(0);
     let told = run(folder.path(), ["report", &beckmann.last_line()[..16], "--points", "16"]).exited(0);
     assert!(told.stdout.contains("where an LTC models the lobe poorly"), "{told:#?}");
 }
 
-/// No driver, no difference but who renders.
+/// Without a Vulkan driver, only the renderer changes.
 #[test]
 fn preview_without_a_vulkan_driver_renders_on_the_cpu() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -152,7 +153,7 @@ fn preview_without_a_vulkan_driver_renders_on_the_cpu() {
     assert!(hide("gpu").exited(1).stderr.contains("no adapter"));
 }
 
-/// The closed form lights without a table, and a picture that shows a table asks for one.
+/// The closed form lights without a table. A picture that shows a table needs one.
 #[test]
 fn a_picture_of_model_normals_needs_no_table() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -243,7 +244,7 @@ fn a_shader_is_written_as_a_module_with_its_types() {
 }
 
 #[test]
-fn shader_refuses_what_it_does_not_know_and_spirv_without_a_place() {
+fn shader_rejects_unknown_arguments_and_spirv_without_an_output_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let cases: [&[&str]; 20] = [
         &["--language", "glsl", "--model", "sg", "--es-module"],
@@ -276,7 +277,7 @@ fn shader_refuses_what_it_does_not_know_and_spirv_without_a_place() {
 }
 
 #[test]
-fn plots_refuse_what_they_do_not_show() {
+fn plots_reject_parameters_that_they_do_not_have() {
     let folder = tempfile::tempdir().expect("a folder");
     for (arguments, told) in [
         (&["plot", "t.npy", "light", "-o", "x.png"][..], "light"),

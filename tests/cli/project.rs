@@ -1,4 +1,4 @@
-//! A project that pins a table.
+//! A project with a pinned table.
 
 use std::{
     fs,
@@ -11,7 +11,7 @@ use crate::common::{
     command::{Run, run},
 };
 
-/// A server's URL where nobody listens.
+/// The URL of a server that does not exist.
 pub(crate) const NOBODY: &str = "http://127.0.0.1:9";
 
 pub(crate) fn pull(project: &Path, server: &str, args: &[&str]) -> Run {
@@ -26,7 +26,7 @@ pub(crate) fn read(path: &Path) -> String {
     fs::read_to_string(path).expect("a text")
 }
 
-/// Every file below a folder with its bytes.
+/// Every file below a folder, with its bytes.
 pub(crate) fn files_of(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let mut files = Vec::new();
     let mut folders = vec![folder.to_owned()];
@@ -44,7 +44,7 @@ pub(crate) fn files_of(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     files
 }
 
-/// A project that pins the table of [`SMALL`] and its textures, and a folder of tables that has it.
+/// A project that pins the table of [`SMALL`] and its textures, and a folder that contains the table.
 pub(crate) fn project() -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().expect("a folder");
     let project = folder.path().join("project");
@@ -55,7 +55,7 @@ pub(crate) fn project() -> (tempfile::TempDir, PathBuf) {
     (folder, project)
 }
 
-/// The digest that a project's lock file pins.
+/// The digest in a project's lock file.
 pub(crate) fn pinned(project: &Path) -> String {
     let lock = read(&project.join("ltcforge.lock"));
     let line = lock.lines().find(|line| line.starts_with("digest = ")).expect("a digest");

@@ -1,4 +1,4 @@
-//! `pull` keeps a project to its lock file, from sources that may have nothing, something else or no end.
+//! `pull` makes a project agree with its lock file. Its sources may have nothing, other bytes, or an endless body.
 
 use std::{
     ffi::OsStr,
@@ -13,7 +13,7 @@ use super::project::{NOBODY, files_of, modified, pinned, project, pull, read};
 use crate::common::{SMALL, command::run, server::Server};
 use ltcforge::files::digest::Digest;
 
-/// A server that answers every request with a status line, fields and `body`.
+/// A server that answers every request with a status line, header fields and `body`.
 fn answering(status: &'static str, body: &'static [u8]) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
     let url = format!("http://{}", listener.local_addr().expect("an address"));
@@ -29,7 +29,7 @@ fn answering(status: &'static str, body: &'static [u8]) -> String {
 }
 
 #[test]
-fn exports_come_from_a_service_that_has_their_pinned_bytes() {
+fn exports_come_from_a_service_with_the_pinned_bytes() {
     let (folder, project) = project();
     let before = files_of(&project);
     let server = Server::start(&folder.path().join("data"), &[]);
@@ -41,7 +41,7 @@ fn exports_come_from_a_service_that_has_their_pinned_bytes() {
     assert_eq!(files_of(&project), before);
     assert_eq!(server.metric("ltcforge_exports_total"), 1);
 
-    // Right files stay as they are, down to their times.
+    // Correct files do not change, not even their modification times.
     let texture = project.join("assets/ltc/ltc_terms.ktx2");
     let time = modified(&texture);
     fs::remove_file(project.join("assets/ltc/ltc.json")).expect("a file");
@@ -65,7 +65,7 @@ fn exports_that_no_service_has_are_made() {
         assert!(told.stdout.contains("metal made: assets/ltc/ltc_terms.ktx2\n"), "{told:#?}");
         assert_eq!(files_of(&project), before);
     }
-    // A service of another version makes other bytes than the pinned ones, and says so; so does this program.
+    // If a service or this program has another version, it makes other bytes than the pinned bytes, and reports it.
     let lock = read(&project.join("ltcforge.lock"));
     let pin = format!("digest = \"{}\" }}", Digest::of(&fs::read(&texture).expect("a texture")));
     let other = lock.replace(&pin, &format!("digest = \"{}\" }}", Digest::of(b"other")));
@@ -78,7 +78,7 @@ fn exports_that_no_service_has_are_made() {
 }
 
 #[test]
-fn pull_restores_whatever_drifted_and_locked_tells_it() {
+fn pull_restores_changed_files_and_locked_reports_them() {
     let (folder, project) = project();
     let before = files_of(&project);
     fs::create_dir(folder.path().join("tables")).expect("a folder");
@@ -86,7 +86,7 @@ fn pull_restores_whatever_drifted_and_locked_tells_it() {
     fs::copy(project.join("assets/metal.safetensors"), folder.path().join(format!("tables/{hex}.safetensors")))
         .expect("a copy");
     let pinned = before.iter().filter(|(path, _)| path.extension().is_some_and(|name| name != "lock"));
-    // In turn a file is missing, of other bytes, and cut off; each is found.
+    // Each file in turn is missing, changed or cut off. `--locked` reports each.
     for (i, (path, bytes)) in pinned.enumerate() {
         match i % 3 {
             0 => fs::remove_file(path).expect("a file"),
@@ -104,7 +104,7 @@ fn pull_restores_whatever_drifted_and_locked_tells_it() {
 }
 
 #[test]
-fn a_folder_of_tables_needs_no_name_in_utf_8() {
+fn the_name_of_a_folder_of_tables_need_not_be_utf_8() {
     let (folder, project) = project();
     let before = files_of(&project);
     let table = project.join("assets/metal.safetensors");
@@ -125,7 +125,7 @@ fn a_folder_of_tables_needs_no_name_in_utf_8() {
 }
 
 #[test]
-fn sources_are_asked_in_order_and_wrong_bytes_are_not_taken() {
+fn sources_are_tried_in_order_and_wrong_bytes_are_rejected() {
     let (folder, project) = project();
     let table = project.join("assets/metal.safetensors");
     let right = fs::read(&table).expect("the table");
@@ -153,7 +153,7 @@ fn sources_are_asked_in_order_and_wrong_bytes_are_not_taken() {
     assert!(brought.stdout.starts_with("metal downloaded: assets/metal.safetensors\n"), "{brought:#?}");
     assert_eq!(fs::read(&table).expect("the table"), right);
 
-    // The lock file and the configuration name sources too.
+    // The lock file and the configuration can also name sources.
     fs::remove_file(&table).expect("a file");
     let lock = read(&project.join("ltcforge.lock"));
     fs::write(project.join("ltcforge.lock"), lock.replace("version = 2\n", "version = 2\nsources = [\"../right\"]\n"))
@@ -167,7 +167,7 @@ fn sources_are_asked_in_order_and_wrong_bytes_are_not_taken() {
 }
 
 #[test]
-fn what_no_source_has_is_fitted_again_and_held_to_its_digest() {
+fn a_table_without_a_source_is_fitted_again_and_checked_against_its_digest() {
     let (_folder, project) = project();
     let before = files_of(&project);
     fs::remove_dir_all(project.join("assets")).expect("a folder");
@@ -176,7 +176,7 @@ fn what_no_source_has_is_fitted_again_and_held_to_its_digest() {
     assert!(fitted.stdout.starts_with("metal fitted: assets/metal.safetensors\nmetal made: "), "{}", fitted.stdout);
     assert_eq!(files_of(&project), before);
 
-    // A recipe of another table does not arrive at the pinned digest, and leaves nothing behind.
+    // Fitting the recipe of another table gives another digest. The failed pull leaves no files.
     let lock = read(&project.join("ltcforge.lock"));
     let other = lock.replace(&pinned(&project), &Digest::of(b"other").to_string());
     fs::write(project.join("ltcforge.lock"), other).expect("a lock file");
@@ -187,7 +187,7 @@ fn what_no_source_has_is_fitted_again_and_held_to_its_digest() {
 }
 
 #[test]
-fn an_endless_table_is_cut_at_the_size_that_the_lock_file_states() {
+fn an_endless_table_is_cut_off_at_the_size_in_the_lock_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
     let url = format!("http://{}", listener.local_addr().expect("an address"));
@@ -209,11 +209,11 @@ fn an_endless_table_is_cut_at_the_size_that_the_lock_file_states() {
     fs::write(&lock, pin).expect("a lock file");
     let refused = pull(folder.path(), &url, &["--table-limit", "2000000"]).exited(1);
     assert!(refused.stderr.contains("longer than 2000000 bytes, the limit for tables"), "{refused:#?}");
-    assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 1, "nothing is left");
+    assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 1, "a temporary file is left");
 }
 
 #[test]
-fn a_size_that_is_not_the_pinned_one_is_refused_on_every_way() {
+fn a_size_other_than_the_pinned_size_is_rejected_from_every_source() {
     let (folder, project) = project();
     let (table, texture) = ("assets/metal.safetensors", "assets/ltc/ltc_terms.ktx2");
     let hex = pinned(&project).replace("sha256:", "");
@@ -235,7 +235,7 @@ fn a_size_that_is_not_the_pinned_one_is_refused_on_every_way() {
             fs::remove_file(project.join(file)).expect("a file");
         }
         for bytes in [right.len() - 1, right.len() + 1, right.len() + 1000] {
-            // The size stands before the digest of a texture, and behind that of a table.
+            // In the lock file, the size is before the digest of a texture, but after the digest of a table.
             let digest = Digest::of(&right);
             let wrong = lock
                 .replace(
@@ -262,7 +262,7 @@ fn a_size_that_is_not_the_pinned_one_is_refused_on_every_way() {
 }
 
 #[test]
-fn a_wrong_pin_leaves_the_files_of_those_before_it_as_they_were() {
+fn a_wrong_pin_leaves_the_files_of_previous_pins_unchanged() {
     let (_folder, project) = project();
     fs::write(project.join("other.json"), SMALL.replace("\"alpha\":2", "\"alpha\":3")).expect("a recipe");
     run(&project, ["lock", "third", "--recipe", "../small.json", "--to", "assets/third"]).exited(0);
@@ -271,27 +271,27 @@ fn a_wrong_pin_leaves_the_files_of_those_before_it_as_they_were() {
     let digest = Digest::of(&fs::read(project.join("other/table")).expect("the table"));
     fs::remove_dir_all(project.join("assets")).expect("a folder");
     fs::remove_dir_all(project.join("other")).expect("a folder");
-    // The recipe of the last does not arrive at what is pinned.
+    // Fitting the recipe of the last pin does not give its pinned digest.
     let wrong = right.replace(&digest.to_string(), &Digest::of(b"other").to_string());
     fs::write(project.join("ltcforge.lock"), wrong).expect("a lock file");
     let before = files_of(&project);
     let refused = run(&project, ["pull", "--offline", "--fit"]).exited(3);
     assert!(refused.stderr.contains("other: ") && refused.stdout.is_empty(), "{refused:#?}");
     assert_eq!(files_of(&project), before);
-    assert!(!project.join("assets").exists(), "no folder is left either");
+    assert!(!project.join("assets").exists(), "a folder is left");
     fs::write(project.join("ltcforge.lock"), right).expect("a lock file");
     let told = run(&project, ["pull", "--offline", "--fit"]).exited(0);
     assert!(told.stdout.contains("metal fitted: ") && told.stdout.contains("other fitted: "), "{told:#?}");
     run(&project, ["pull", "--locked"]).exited(0);
 }
 
-/// A pin of a lock file of version 1.
+/// A pin in a lock file of version 1.
 fn old_pin(name: &str, path: &str, bytes: &[u8]) -> String {
     format!("[[table]]\nname = \"{name}\"\npath = \"{path}\"\ndigest = \"{}\"\n", Digest::of(bytes))
 }
 
 #[test]
-fn no_link_of_a_checkout_leads_pull_or_lock_to_version_control_or_an_editor() {
+fn links_in_a_checkout_cannot_lead_to_files_of_version_control_or_editors() {
     let (folder, project) = project();
     let table = fs::read(project.join("assets/metal.safetensors")).expect("the table");
     fs::create_dir(folder.path().join("tables")).expect("a folder");
@@ -320,7 +320,7 @@ fn no_link_of_a_checkout_leads_pull_or_lock_to_version_control_or_an_editor() {
 }
 
 #[test]
-fn only_what_a_pin_says_is_placed() {
+fn only_the_files_of_a_pin_are_written() {
     let (folder, project) = project();
     let right = read(&project.join("ltcforge.lock"));
     let table = fs::read(project.join("assets/metal.safetensors")).expect("the table");
@@ -352,9 +352,9 @@ fn only_what_a_pin_says_is_placed() {
     for (wrong, missing, said) in [
         (table_as(script), "assets/metal.safetensors", "metal.safetensors: "),
         (table_as(&other), "assets/metal.safetensors", "the table's recipe has digest"),
-        (export_as("assets/ltc/ltc_terms.ktx2"), "assets/ltc/ltc_terms.ktx2", "not an export wgpu"),
-        (export_as("assets/ltc/ltc.json"), "assets/ltc/ltc.json", "not an export wgpu"),
-        (export_as("assets/ltc/ltcforge.json"), "assets/ltc/ltcforge.json", "not an export wgpu"),
+        (export_as("assets/ltc/ltc_terms.ktx2"), "assets/ltc/ltc_terms.ktx2", "not a file of export wgpu"),
+        (export_as("assets/ltc/ltc.json"), "assets/ltc/ltc.json", "not a file of export wgpu"),
+        (export_as("assets/ltc/ltcforge.json"), "assets/ltc/ltcforge.json", "not a file of export wgpu"),
         (added, "assets/ltc/Makefile", "does not make this file"),
     ] {
         assert_ne!(wrong, right, "{said}");

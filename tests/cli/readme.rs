@@ -1,4 +1,4 @@
-//! The commands of the README, run as they are written and in their order.
+//! Runs the commands of the README, as written and in their order.
 
 use std::{os::unix::fs::symlink, path::Path};
 
@@ -9,13 +9,14 @@ use crate::common::{
     tell_skipped,
 };
 
-/// Beginnings of commands that do not run here: they build the program, run all tests, or start the service, which runs already.
+/// Commands that do not run here, by their first words. They build the program, run all tests, or start the service,
+/// which is already running.
 const EXCEPT: [&str; 3] = ["make ", "cargo ", "ltcforge serve"];
 
-/// The address of a service in the README. The service of the test has a free port instead.
+/// The address of the service in the README. The service of this test has a free port instead.
 const ADDRESS: &str = "http://127.0.0.1:8317";
 
-/// A file of each section.
+/// At least one file that each section writes.
 const FILES: [&str; 8] = [
     "sphere.png",
     "engine/ltc.js",
@@ -36,7 +37,7 @@ fn the_commands_of_the_readme_run() {
     }
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();
-    // The README takes a scene of the tests.
+    // The README uses a scene from the tests.
     symlink(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests"), here.join("tests")).expect("a link");
     let server = Server::start(&here.join("ltcforge-data"), &[]);
     let commands = commands("README.md", &EXCEPT);

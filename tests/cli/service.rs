@@ -1,4 +1,4 @@
-//! Commands that talk to a service, and the service's own; settings and wrong lines.
+//! Commands that call a service, commands of the service itself, settings, and usage errors.
 
 use std::{
     fs,
@@ -16,7 +16,7 @@ use crate::common::{
 };
 
 #[test]
-fn jobs_are_worked_with_from_the_command_line() {
+fn jobs_are_submitted_and_managed_from_the_command_line() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(&folder.path().join("data"), &[]);
     let jobs = |args: &[&str], input: &str| {
@@ -33,7 +33,7 @@ fn jobs_are_worked_with_from_the_command_line() {
     assert_eq!(jobs(&["watch", id], "").exited(0).last_line(), digest);
     assert_eq!(jobs(&["list", "--state", "done"], "").exited(0).stdout, submitted.stdout);
 
-    // What the service serves is what its recipe gives on this machine.
+    // The served table equals the table that its recipe gives on this machine.
     let address = format!("{}/v1/tables/{digest}", server.url);
     let told = run(folder.path(), ["verify", &address, "--refit"]).exited(0);
     assert_eq!(told.stdout, format!("{address}: ok, {digest}, and fitting its recipe gives the same bytes\n"));
@@ -56,14 +56,14 @@ fn jobs_are_worked_with_from_the_command_line() {
 }
 
 #[test]
-fn a_missing_server_is_told_from_a_refusal() {
+fn a_missing_server_differs_from_a_rejected_request() {
     let folder = tempfile::tempdir().expect("a folder");
     let ended = run(folder.path(), ["jobs", "list", "--server", "http://127.0.0.1:9"]).exited(4);
     assert!(ended.stderr.contains("http://127.0.0.1:9/v1/jobs"), "{}", ended.stderr);
 }
 
 #[test]
-fn a_proxy_is_asked_for_other_machines_alone() {
+fn a_proxy_is_only_used_for_other_machines() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     let proxy = TcpListener::bind("127.0.0.1:0").expect("a free port");
@@ -101,7 +101,7 @@ fn settings_come_from_flag_environment_file_and_default_in_this_order() {
 }
 
 #[test]
-fn wrong_lines_end_with_2_and_completions_are_printed() {
+fn usage_errors_exit_with_2_and_completions_are_printed() {
     let folder = tempfile::tempdir().expect("a folder");
     run(folder.path(), ["fit"]).exited(2);
     run(folder.path(), ["serve", "--listen", "nowhere"]).exited(2);
@@ -109,7 +109,7 @@ fn wrong_lines_end_with_2_and_completions_are_printed() {
 }
 
 #[test]
-fn a_server_ends_with_0_on_either_signal() {
+fn a_server_exits_with_0_on_either_signal() {
     for name in ["TERM", "INT"] {
         let folder = tempfile::tempdir().expect("a folder");
         Server::start(folder.path(), &[]).stop(name).exited(0);

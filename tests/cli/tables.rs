@@ -1,4 +1,4 @@
-//! Commands that make, read and measure tables.
+//! Commands that create, read and measure tables.
 
 use std::fs;
 
@@ -19,7 +19,7 @@ fn fit_writes_a_table_under_its_digest_with_any_number_of_threads() {
     let fitted = run(folder.path(), ["fit", "small.json", "-o", "one", "--threads", "1"]).exited(0);
     let digest: Digest = fitted.last_line().parse().expect("a digest in the last line");
     assert!(fitted.last_line().starts_with("sha256:"));
-    assert!(!fitted.stderr.contains('\r'), "no bar without a terminal: {:?}", fitted.stderr);
+    assert!(!fitted.stderr.contains('\r'), "a progress bar without a terminal: {:?}", fitted.stderr);
     for said in
         ["16 entries in ", "% on average", &format!("next: ltcforge preview one/{}.safetensors -o", digest.hex())]
     {
@@ -29,7 +29,7 @@ fn fit_writes_a_table_under_its_digest_with_any_number_of_threads() {
     assert_eq!(Digest::of(&file), digest);
     let manifest = fs::read(folder.path().join(format!("one/{}.manifest.json", digest.hex()))).expect("the manifest");
     assert!(serde_json::from_slice::<Value>(&manifest).expect("JSON")["report"].is_object());
-    assert_eq!(fs::read_dir(folder.path().join("one")).expect("the folder").count(), 2, "nothing else is left");
+    assert_eq!(fs::read_dir(folder.path().join("one")).expect("the folder").count(), 2, "another file is left");
 
     let again = run_with_stdin(folder.path(), ["fit", "-", "-o", "two", "--threads", "2", "--json"], SMALL).exited(0);
     let told: Value = serde_json::from_str(again.last_line()).expect("JSON");
@@ -38,18 +38,18 @@ fn fit_writes_a_table_under_its_digest_with_any_number_of_threads() {
     let report: Value = serde_json::from_slice::<Value>(&manifest).expect("JSON")["report"]["between"]["width"].take();
     assert_eq!((&told["error"]["mean"], &told["error"]["p95"]), (&report["mean"], &report["p95"]));
     assert!(text(&told["next"][0]).starts_with("ltcforge preview two/"), "{told}");
-    assert_eq!(again.stderr, "", "JSON says it all");
+    assert_eq!(again.stderr, "", "with --json, nothing is printed on standard error");
     let other = fs::read(folder.path().join(format!("two/{}.manifest.json", digest.hex()))).expect("the manifest");
     assert_eq!(other, manifest);
 
-    // The service gives the same bytes.
+    // The service makes the same bytes.
     let server = Server::start(&folder.path().join("data"), &[]);
     assert_eq!(server.fit(SMALL), digest.to_string());
     assert_eq!(server.get(&format!("/v1/tables/{digest}/manifest")).with_status(200).body, manifest);
 }
 
 #[test]
-fn fit_tells_every_fault_on_its_line() {
+fn fit_reports_every_fault_on_its_own_line() {
     let folder = tempfile::tempdir().expect("a folder");
     let bad = r#"{"preset":"draft","colour":1,"fit":{"samples":0}}"#;
     let refused = run_with_stdin(folder.path(), ["fit", "-"], bad).exited(2);
@@ -69,7 +69,7 @@ fn an_interrupted_fit_leaves_nothing_behind() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("r.json"), ENDLESS).expect("a recipe");
     let child = ltcforge(folder.path(), ["fit", "r.json", "-o", "out"]).spawn().expect("the binary runs");
-    // Once the signal is caught the process sleeps no more in its start: the mask is in /proc.
+    // /proc shows the mask of caught signals. Once the signal is caught, the start of the process is over.
     let status = format!("/proc/{}/status", child.id());
     eventually("the signal to be caught", || {
         let text = fs::read_to_string(&status).ok()?;
@@ -118,7 +118,7 @@ fn lookup_prints_a_matrix_for_each_point() {
 }
 
 #[test]
-fn lookup_says_which_points_lie_outside_the_table() {
+fn lookup_reports_points_outside_the_table() {
     let folder = tempfile::tempdir().expect("a folder");
     let recipe = r#"{"preset": "draft", "fit": {"samples": 32, "directions": 4, "steps": 1},
         "range": {"alpha": [0.2, 0.5], "ratio": [1, 1], "theta": [0, 1], "phi": [0, 0]},
@@ -127,7 +127,7 @@ fn lookup_says_which_points_lie_outside_the_table() {
     let look_up = |points: &str, option: &[&str]| {
         run_with_stdin(folder.path(), ["lookup", &digest, "--points", "-"].iter().chain(option), points).exited(0)
     };
-    // Isotropic surfaces have no azimuth: none lies outside.
+    // Isotropic surfaces have no azimuth, so no azimuth is outside.
     assert_eq!(look_up("0.2,0.2,0,0\n0.5,0.5,1,4\n", &[]).stderr, "");
     let points = "0.1,0.1,0.5,0\n0.5,0.5,1.2,0\n0.3,0.15,0.5,0\n0.1,0.1,1.5,0\n0.3,0.3,0.5,0\n";
     let expected = "4 of 5 points are outside the table's range and were clamped:\n\
@@ -166,17 +166,17 @@ fn a_digest_as_fit_prints_it_names_the_table_in_every_command() {
         }
         let refused = run(folder.path(), with("sha256:ffff0")).exited(1);
         let expected = "sha256:ffff0: there is no such file, and no ffff0*.safetensors in ./ and tables/; \
-                        --tables names another folder";
+                        use --tables to search another folder";
         assert_eq!(refused.complaints(), [expected]);
         run(folder.path(), with(&digest).into_iter().chain(["--tables".to_owned(), ".".to_owned()])).exited(1);
     }
-    // The same table in both folders is one table.
+    // If both folders contain the same table, it counts as one table.
     let name = format!("{}.safetensors", &digest["sha256:".len()..]);
     fs::copy(folder.path().join("tables").join(&name), folder.path().join(&name)).expect("a copy");
     assert!(run(folder.path(), ["verify", beginning]).exited(0).stdout.starts_with(&name));
 }
 
-/// The bytes of a `.npy` file of 2 x 2 x 2 x 2 clamped cosines, one of them mirrored.
+/// The bytes of a `.npy` file with 2 x 2 x 2 x 2 clamped cosines. One of them is mirrored.
 fn npy() -> Vec<u8> {
     let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 2, 2, 2, 3, 3), }\n";
     let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
@@ -190,7 +190,7 @@ fn npy() -> Vec<u8> {
 }
 
 #[test]
-fn report_tells_of_tables_what_their_manifests_do_and_of_npy_files() {
+fn report_agrees_with_manifests_and_reads_npy_files() {
     let folder = tempfile::tempdir().expect("a folder");
     let digest = run_with_stdin(folder.path(), ["fit", "-"], SMALL).exited(0).last_line().to_owned();
     let hex = &digest["sha256:".len()..];
@@ -239,7 +239,7 @@ fn report_tells_of_tables_what_their_manifests_do_and_of_npy_files() {
 }
 
 #[test]
-fn verify_holds_files_to_their_names() {
+fn verify_compares_files_with_their_names() {
     let folder = tempfile::tempdir().expect("a folder");
     let digest = run_with_stdin(folder.path(), ["fit", "-"], SMALL).exited(0).last_line().to_owned();
     let name = format!("{}.safetensors", &digest["sha256:".len()..]);
@@ -258,7 +258,7 @@ fn verify_holds_files_to_their_names() {
 }
 
 #[test]
-fn verify_holds_a_folder_of_blobs_to_its_names() {
+fn verify_compares_a_folder_of_blobs_with_its_names() {
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();
     let path_of = |hex: &str| here.join("data/blobs").join(&hex[..2]).join(hex);
@@ -277,7 +277,7 @@ fn verify_holds_a_folder_of_blobs_to_its_names() {
     fs::write(&one, "damaged").expect("a blob");
     let refused = run(here, ["verify", "data"]).exited(3);
     assert!(refused.complaints().len() == 1 && refused.stderr.contains(&Digest::of(b"one").hex()), "{refused:#?}");
-    // What is not a regular file is reported and not read.
+    // An entry that is not a regular file is reported but not read.
     fs::remove_file(&two).expect("a blob");
     std::os::unix::fs::symlink("/dev/zero", &two).expect("a link");
     let refused = run(here, ["verify", "data", "--json"]).exited(3);

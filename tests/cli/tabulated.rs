@@ -1,4 +1,4 @@
-//! Tabulated BRDFs: from a file to a table, and what says that the file is missing or wrong.
+//! Tabulated BRDFs: from a file to a table, and the errors of missing or invalid files.
 
 use std::fs;
 
@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::common::command::{run, run_with_stdin};
 
-/// The two recipes: of the file, and of the model that it was made of.
+/// The common part of two recipes: for the file, and for the model that it was made from.
 const REST: &str = r#""resolution": {"alpha": 3, "theta": 4}, "range": {"alpha": [0.1, 1], "theta": [0, 1.4]},
     "fit": {"samples": 128, "directions": 8}}"#;
 
@@ -15,7 +15,7 @@ fn json(text: &str) -> Value {
 }
 
 #[test]
-fn a_model_as_numbers_is_fitted_as_the_model_itself() {
+fn a_model_given_as_numbers_is_fitted_like_the_model() {
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();
     fs::create_dir(here.join("in")).expect("a folder");
@@ -37,7 +37,8 @@ fn a_model_as_numbers_is_fitted_as_the_model_itself() {
     let width = |side: &str| apart[side]["report"]["between"]["width"]["mean"].as_f64().expect("a number");
     assert!((width("a") - width("b")).abs() < 0.005, "{} {}", width("a"), width("b"));
 
-    // The canonical recipe has the digest, by which the file is found beside the table: equal bytes.
+    // The canonical recipe contains the digest of the file, and the file with this digest is found next to the table.
+    // The bytes are equal.
     let recipe = format!(r#"{{"brdf": "tabulated", "tabulated": "{digest}", {REST}"#);
     let again = run_with_stdin(here, ["fit", "-", "-o", "tables"], &recipe).exited(0);
     assert_eq!(again.last_line(), table);
@@ -52,12 +53,12 @@ fn a_model_as_numbers_is_fitted_as_the_model_itself() {
     let refitted = run(here, ["verify", &format!("tables/{hex}.safetensors"), "--refit"]).exited(0);
     assert!(refitted.stdout.contains("gives the same bytes"), "{refitted:#?}");
 
-    // The reference is of the file.
+    // The reference uses the file.
     let picture = ["preview", table, "-o", "strip.png", "--mode", "strip", "--size", "64", "--spp", "64"];
     let shown = run(here, picture.iter().chain(&["--alpha-x", "0.5", "--alpha-y", "0.5"])).exited(0);
     assert!(shown.stderr.contains("adapter: cpu"), "{shown:#?}");
 
-    // Without the file nothing is measured, and all else works.
+    // Without the file, the table cannot be measured. Everything else works.
     fs::remove_file(here.join(format!("tables/{}.brdf.safetensors", digest.trim_start_matches("sha256:"))))
         .expect("the file");
     let commands = [
@@ -78,12 +79,12 @@ fn a_model_as_numbers_is_fitted_as_the_model_itself() {
 }
 
 #[test]
-fn all_faults_of_recipe_and_file_are_told_at_once_and_nothing_is_fitted() {
+fn all_faults_of_recipe_and_file_are_reported_at_once_and_nothing_is_fitted() {
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();
     run(here, ["tabulate", "oren_nayar", "--alpha", "0.2", "-o", "b.safetensors"]).exited(0);
     let mut bytes = fs::read(here.join("b.safetensors")).expect("the file");
-    // The last axis in the file and the last value: its tensors lie behind the header, f64 before f32.
+    // The last axis and the last value in the file. Its tensors follow the header, f64 before f32.
     let end = bytes.len();
     bytes[end - 4..].copy_from_slice(&f32::NAN.to_le_bytes());
     bytes[end - 8..end - 4].copy_from_slice(&(-1.0_f32).to_le_bytes());
@@ -97,7 +98,7 @@ fn all_faults_of_recipe_and_file_are_told_at_once_and_nothing_is_fitted() {
     }
     assert!(!here.join("out").exists());
 
-    // Of a file that is not there nothing else is said: it may be of anisotropic surfaces.
+    // If the file is missing, only this is reported. The file could be for anisotropic surfaces.
     let recipe = r#"{"brdf": "tabulated", "tabulated": "none.safetensors", "range": {"ratio": [0.4, 1]}, "resolution": {"phi": 3}}"#;
     let refused = run_with_stdin(here, ["fit", "-", "-o", "out"], recipe).exited(2);
     assert!(refused.complaints().len() == 1 && refused.stderr.contains("none.safetensors"), "{refused:#?}");
@@ -107,9 +108,10 @@ fn all_faults_of_recipe_and_file_are_told_at_once_and_nothing_is_fitted() {
     assert!(!here.join("c.safetensors").exists());
 }
 
-/// GGX as numbers with azimuths and ratios: its table is that of the formula, for roughnesses and views of any quadrant.
+/// GGX as numbers over azimuths and ratios. Its table equals that of the formula, for roughnesses and views in all
+/// quadrants.
 #[test]
-fn an_anisotropic_model_as_numbers_is_fitted_as_the_model_itself() {
+fn an_anisotropic_model_given_as_numbers_is_fitted_like_the_model() {
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();
     let refused = run(here, ["tabulate", "charlie", "--ratio", "0.5,1", "-o", "c.safetensors"]).exited(2);

@@ -1,16 +1,16 @@
-//! `ltcforge tradeoff`, on tables of a few entries.
+//! `ltcforge tradeoff`, with tables of a few entries.
 
 use std::{collections::BTreeMap, fs};
 
 use crate::common::command::{run, run_with_stdin};
 use serde_json::Value;
 
-/// Little to fit, whatever the effort.
+/// Fits with few entries, which are fast with every effort.
 const TINY: &str =
     r#"{"resolution":{"alpha":2,"ratio":2,"theta":2,"phi":2},"range":{"alpha":[0.2,0.5]},"terms":false}"#;
 
 #[test]
-fn a_small_family_is_written_three_times_over() {
+fn a_small_family_is_written_in_three_formats() {
     let folder = tempfile::tempdir().expect("a folder");
     let arguments = ["tradeoff", "--recipe", "-", "--quick", "-o", "out", "--threads", "2"];
     let ended = run_with_stdin(folder.path(), arguments, TINY).exited(0);
@@ -51,15 +51,15 @@ fn a_small_family_is_written_three_times_over() {
     assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n"));
     assert!(!svg.contains("NaN") && !svg.contains("inf"));
     for preset in presets {
-        assert_eq!(svg.matches(&format!(">{preset}</text>")).count(), 2, "{preset} stands in both panels");
+        assert_eq!(svg.matches(&format!(">{preset}</text>")).count(), 2, "{preset} must be in both panels");
         assert!(ended.stdout.contains(preset));
     }
     assert!(ended.stdout.contains("measured over predicted"), "{}", ended.stdout);
     models_are_measured(&document, &svg, &ended.stdout);
 }
 
-/// The table of preset `paper`, both fitted Gaussians, the three rules of the closed form and both Gaussians of their
-/// own, by the same lights.
+/// The same lights measure the table of preset `paper`, both fitted Gaussians, the three rules of the closed form, and
+/// both Gaussians in closed form.
 #[track_caller]
 fn models_are_measured(document: &Value, svg: &str, stdout: &str) {
     let models = &document["models"];
@@ -82,12 +82,12 @@ fn models_are_measured(document: &Value, svg: &str, stdout: &str) {
         let told = [row["model"].as_str().expect("a name"), kind.as_str().unwrap_or_default()].join(" ");
         assert_eq!(told.trim_end(), name);
         assert!(row["shader_bytes"].as_u64().expect("a number") > 1000, "{row}");
-        assert_eq!(svg.matches(&format!(">{name}</text>")).count(), 2, "{name} stands in both charts of light");
+        assert_eq!(svg.matches(&format!(">{name}</text>")).count(), 2, "{name} must be in both charts of light");
         assert!(row["gpu_cost"]["instructions"].as_u64().expect("a number") > 200, "{row}");
         assert!(stdout.lines().any(|line| line.starts_with(name)), "{stdout}");
     }
     let error = |row: usize| rows[row]["light_error"]["mean"].as_f64().expect("a number");
-    // A table of sixteen entries; then the more normals, the nearer.
+    // The table only has sixteen entries. Rules with more normals are more accurate.
     assert!(error(0) > error(3) && error(4) > error(3) && error(3) > error(5), "{models}");
     assert!(error(6) > error(7) && error(7) > error(4), "{models}");
     let table = document["rows"].as_array().expect("rows").iter().find(|row| row["preset"] == "paper").expect("a row");

@@ -1,4 +1,4 @@
-//! The shaders that users take home, by the compilers and validators of others.
+//! Checks the exported shaders with other compilers and validators.
 
 use std::{
     fs,
@@ -9,7 +9,7 @@ use std::{
 
 use crate::common::{command::run, tell_skipped};
 
-/// The verdict of a program of Debian's package on a file; `None` where it is not installed.
+/// The result of a program from a Debian package on a file. `None` if it is not installed.
 fn checked(package: &str, program: &str, args: &[&str], folder: &Path) -> Option<Output> {
     match Command::new(program).args(args).current_dir(folder).output() {
         Ok(output) => Some(output),
@@ -27,7 +27,7 @@ fn assert_sound(output: &Output) {
     assert!(output.status.success(), "{told:?}");
 }
 
-/// The kinds of shaders: by each layout of tables, and without a table.
+/// The kinds of shaders: with tables of each layout, and without a table.
 const LIT_BY: [&[&str]; 15] = [
     &["--layout", "kt2022"],
     &["--layout", "reflected"],
@@ -52,7 +52,7 @@ fn write(folder: &Path, language: &str, lit_by: &[&str], file: &str) {
 }
 
 #[test]
-fn spirv_is_what_vulkan_takes() {
+fn spirv_is_valid_for_vulkan() {
     let folder = tempfile::tempdir().expect("a folder");
     for lit_by in LIT_BY {
         write(folder.path(), "spirv", lit_by, "ltc.spv");
@@ -63,14 +63,14 @@ fn spirv_is_what_vulkan_takes() {
 }
 
 #[test]
-fn glsl_is_what_opengl_takes() {
+fn glsl_is_valid_for_opengl() {
     let folder = tempfile::tempdir().expect("a folder");
     for lit_by in LIT_BY {
         write(folder.path(), "glsl", lit_by, "ltc.comp");
         let args = ["-G", "ltc.comp", "-o", "ltc.spv"];
         let Some(output) = checked("glslang-tools", "glslangValidator", &args, folder.path()) else { return };
         assert_sound(&output);
-        // OpenGL ES has no binaries of this kind; the validator checks the text.
+        // OpenGL ES has no such binaries, so the validator checks the text.
         write(folder.path(), "glsl-es", lit_by, "es.comp");
         let Some(output) = checked("glslang-tools", "glslangValidator", &["es.comp"], folder.path()) else { return };
         assert_sound(&output);
@@ -78,7 +78,7 @@ fn glsl_is_what_opengl_takes() {
 }
 
 #[test]
-fn hlsl_is_what_direct3d_takes() {
+fn hlsl_is_valid_for_direct3d() {
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();
     for lit_by in LIT_BY {
@@ -95,9 +95,9 @@ fn hlsl_is_what_direct3d_takes() {
     }
 }
 
-/// Layers are of no model: their functions compile by themselves, and options of models are refused, all at once.
+/// Layers belong to no model. Their functions compile on their own, and all options of models are rejected at once.
 #[test]
-fn layers_are_a_text_of_their_own() {
+fn layers_have_their_own_shader_text() {
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();
     let text = run(here, ["shader", "--as", "layers", "--language", "glsl"]).exited(0).stdout;
@@ -117,9 +117,9 @@ fn layers_are_a_text_of_their_own() {
     run(here, ["shader", "--as", "layers", "--language", "spirv", "-o", "layers.spv"]).exited(2);
 }
 
-/// The command of docs/shaders.md.
+/// Runs the command of docs/shaders.md.
 #[test]
-fn the_digest_in_a_text_is_that_of_sha256sum() {
+fn the_digest_in_a_text_equals_sha256sum() {
     let folder = tempfile::tempdir().expect("a folder");
     for (language, form) in [("wgsl", "include"), ("glsl-es", "include"), ("hlsl", "example"), ("glsl", "example")] {
         let words = ["shader", "--language", language, "--as", form, "--model", "normals", "-o", "normals.glsl"];
@@ -134,7 +134,7 @@ fn the_digest_in_a_text_is_that_of_sha256sum() {
 }
 
 #[test]
-fn wgsl_is_what_webgpu_takes() {
+fn wgsl_is_valid_for_webgpu() {
     let folder = tempfile::tempdir().expect("a folder");
     for (lit_by, form) in LIT_BY.into_iter().flat_map(|lit_by| ["example", "include"].map(|form| (lit_by, form))) {
         let words = ["shader", "--as", form, "--language", "wgsl", "-o", "ltc.wgsl"];
@@ -147,7 +147,7 @@ fn wgsl_is_what_webgpu_takes() {
 }
 
 #[test]
-fn msl_is_what_metal_takes() {
+fn msl_is_valid_for_metal() {
     let folder = tempfile::tempdir().expect("a folder");
     for (lit_by, form) in LIT_BY.into_iter().flat_map(|lit_by| ["example", "include"].map(|form| (lit_by, form))) {
         let words = ["shader", "--as", form, "--language", "msl", "-o", "ltc.metal"];
@@ -158,7 +158,7 @@ fn msl_is_what_metal_takes() {
     }
 }
 
-/// Programs that call what is included, as a renderer's own shader does.
+/// Programs that call the included functions, as the shader of a renderer does.
 const TABLE_CALL: &str = "
     LtcLobe lobe = ltc_lookup(0.4, 0.2, normalize(vec3(place, 1.0)));
     LtcInverse inverse_ = ltc_inverse(lobe.m);
@@ -182,7 +182,7 @@ const GAUSSIANS_TABLE_CALL: &str = "
     colour = vec4(gaussians_rectangle(view, corners, true), gaussians_sg(view, normalize(corners[0]), 20.0, 1.0));
 ";
 
-/// The same in HLSL.
+/// The same calls in HLSL.
 const TABLE_CALL_HLSL: &str = "
     LtcLobe lobe = ltc_lookup(0.4, 0.2, normalize(float3(place, 1.0)));
     LtcInverse inverse_ = ltc_inverse(lobe.m);
@@ -206,11 +206,11 @@ const GAUSSIANS_TABLE_CALL_HLSL: &str = "
     return float4(gaussians_rectangle(view, corners, true), gaussians_sg(view, normalize(corners[0]), 20.0, 1.0));
 ";
 
-/// Ways to read a table.
+/// The ways to read a table.
 const READINGS: [&[&str]; 4] =
     [&[], &["--hardware-filter"], &["--texture-array"], &["--hardware-filter", "--texture-array"]];
 
-/// The call for what a shader lights by, in GLSL and in HLSL.
+/// The calls for a kind of shader, in GLSL and in HLSL.
 fn calls_of(lit_by: &[&str]) -> [&'static str; 2] {
     match lit_by {
         ["--layout", _] => [TABLE_CALL, TABLE_CALL_HLSL],
@@ -221,7 +221,7 @@ fn calls_of(lit_by: &[&str]) -> [&'static str; 2] {
 }
 
 #[test]
-fn hlsl_that_is_included_compiles_within_a_pixel_shader() {
+fn included_hlsl_compiles_in_a_pixel_shader() {
     let folder = tempfile::tempdir().expect("a folder");
     for lit_by in LIT_BY {
         let is_table = lit_by.contains(&"--layout");
@@ -243,19 +243,19 @@ fn hlsl_that_is_included_compiles_within_a_pixel_shader() {
 }
 
 #[test]
-fn a_table_s_polynomials_compile_where_they_are_included() {
+fn the_polynomials_of_a_table_compile_in_other_shaders() {
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();
     let recipe = r#"{"resolution":{"alpha":32,"ratio":1,"theta":32,"phi":1},"range":{"ratio":[1,1],"phi":[0,0]},
         "fit":{"samples":64,"directions":4,"steps":5}}"#;
     fs::write(here.join("recipe.json"), recipe).expect("a recipe");
     let fitted = run(here, ["fit", "recipe.json", "-o", "."]).exited(0);
-    // Isotropic: one roughness.
+    // The table is isotropic, so both roughnesses must be equal.
     let [call, call_hlsl] = [TABLE_CALL, TABLE_CALL_HLSL].map(|call| call.replace("0.4, 0.2", "0.4, 0.4"));
     let es = "#version 300 es\nprecision highp float;\nprecision highp int;";
     let es_end = format!("in vec2 place;\nout vec4 colour;\nvoid main() {{{call}}}\n");
     let hlsl_end = format!("float4 main(float2 place : TEXCOORD0) : SV_Target {{{call_hlsl}}}\n");
-    // Each run measures the table.
+    // Only a few languages, because each run measures the table.
     for (language, head, end, args) in [
         ("glsl-es", es, es_end, &["whole.frag"][..]),
         ("hlsl", "", hlsl_end, &["-D", "-V", "-S", "frag", "-e", "main", "-o", "out.spv", "whole.frag"]),
@@ -268,10 +268,10 @@ fn a_table_s_polynomials_compile_where_they_are_included() {
     }
 }
 
-/// The light of a table, that of another table, and those without a table, for one shader.
+/// The lights of two tables and the lights without a table, for one shader.
 fn together(folder: &Path, language: &str) -> String {
     let second: &[&str] = match language {
-        // Loose uniforms have no numbers.
+        // Uniforms outside blocks have no binding numbers.
         "glsl-330" | "glsl-es" => &["--layout", "ltc2017", "--prefix", "iso"],
         _ => &["--layout", "ltc2017", "--prefix", "iso", "--first-binding", "6", "--group", "1"],
     };
@@ -323,7 +323,7 @@ fn several_lights_compile_in_one_shader() {
 }
 
 #[test]
-fn what_is_included_compiles_within_a_fragment_shader() {
+fn included_texts_compile_in_a_fragment_shader() {
     let folder = tempfile::tempdir().expect("a folder");
     let versions: [(&str, &str, &[&str]); 4] = [
         ("glsl", "#version 450 core", &["-V", "-o", "out.spv"]),

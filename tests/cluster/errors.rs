@@ -1,4 +1,5 @@
-//! Databases and stores that cannot be used: one line that says which, and exit code 1.
+//! Databases and stores that cannot be used. The error is one line that names the database or store, and the exit code
+//! is 1.
 
 use std::{fs, path::Path};
 
@@ -14,7 +15,7 @@ fn complaint(folder: &Path, database: &str, blobs: &str) -> String {
     complaint_in(&[], folder, database, blobs)
 }
 
-/// The same, with variables in the environment.
+/// The same with environment variables.
 #[track_caller]
 fn complaint_in(environment: &[(&str, &str)], folder: &Path, database: &str, blobs: &str) -> String {
     let args = ["work", "--database", database, "--blobs", blobs];
@@ -48,7 +49,7 @@ fn a_database_that_cannot_be_used_is_named_without_its_password() {
 }
 
 #[test]
-fn a_wrong_password_and_a_foreign_schema_are_told_apart() {
+fn a_wrong_password_and_a_foreign_schema_have_different_errors() {
     let folder = tempfile::tempdir().expect("a folder");
     let Some(server) = Server::start("-c fsync=off") else { return };
     let url = server.empty_database();
@@ -70,7 +71,7 @@ fn a_wrong_password_and_a_foreign_schema_are_told_apart() {
     fs::write(&rules, "local all me scram-sha-256\nlocal all all trust\n").expect("the server's rules");
     server.psql(name, "SELECT pg_reload_conf()");
     let with_password = url.replace("postgres@", "me:hunter2@");
-    // The server reloads its rules some time later.
+    // It takes a moment until the server has reloaded its rules.
     let line = crate::common::eventually("the new rules", || {
         let line = complaint(folder.path(), &with_password, &blobs);
         line.contains("password").then_some(line)
@@ -93,7 +94,7 @@ fn a_store_that_cannot_be_used_is_named() {
     assert!(!nowhere.exists());
 }
 
-/// What is missing in the environment is named, not the URL.
+/// The error names the missing setting, not the URL.
 #[test]
 fn missing_settings_of_a_store_are_named() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -117,7 +118,7 @@ fn missing_settings_of_a_store_are_named() {
     let line = of(&[key, secret, http, allow], "s3://tables/ltc");
     assert!(line.contains("cannot be reached"), "{line}");
 
-    // Missing, and without a certificate.
+    // A missing file, and a file without a certificate.
     let (missing, empty) = (folder.path().join("none.pem"), folder.path().join("empty.pem"));
     fs::write(&empty, "no certificate").expect("a file");
     let store = format!("file://{}", folder.path().display());

@@ -1,4 +1,4 @@
-//! Faults that the processes of a cluster survive.
+//! Faults that a cluster must survive.
 
 use std::{sync::Barrier, thread};
 
@@ -22,7 +22,7 @@ pub(crate) fn entries_done(job: &Value) -> u64 {
 }
 
 #[test]
-fn replicas_share_their_jobs_and_a_killed_worker_s_shards_are_done_by_another() {
+fn replicas_share_jobs_and_another_worker_does_the_shards_of_a_killed_worker() {
     let folder = tempfile::tempdir().expect("a folder");
     let Some(shared) = Shared::new(folder.path()) else { return };
     let expected = run_with_stdin(folder.path(), ["fit", "-", "-o", "fitted"], LARGE).exited(0);
@@ -32,11 +32,11 @@ fn replicas_share_their_jobs_and_a_killed_worker_s_shards_are_done_by_another() 
     assert_eq!(text(&other.submit(LARGE).with_status(202).json()["id"]), id, "the same job");
     let doomed = Worker::start(&shared, folder.path(), "2");
     let job = one.job_when(&id, |job| entries_done(job) > 0);
-    assert_eq!(job["state"], "running", "the job was over before it could be interrupted");
+    assert_eq!(job["state"], "running", "the job was finished before it could be interrupted");
     drop(doomed);
     one.kill();
 
-    // The end of a replica is no loss for another and its clients.
+    // Another replica and its clients do not depend on the stopped replica.
     let _worker = Worker::start(&shared, folder.path(), "2");
     let job = other.finished(&id);
     assert_eq!(job["state"], "done", "{job:#}");
@@ -76,7 +76,7 @@ fn the_same_recipe_at_two_replicas_at_once_is_one_job() {
 }
 
 #[test]
-fn a_worker_that_stops_gives_back_and_a_third_replica_knows_all_jobs() {
+fn a_stopped_worker_returns_its_shards_and_a_third_replica_knows_all_jobs() {
     let folder = tempfile::tempdir().expect("a folder");
     let Some(shared) = Shared::new(folder.path()) else { return };
     let server = Server::start(&folder.path().join("one"), &shared.arguments());
@@ -85,11 +85,11 @@ fn a_worker_that_stops_gives_back_and_a_third_replica_knows_all_jobs() {
     let again = Server::start(&folder.path().join("two"), &shared.arguments());
     let job = again.submit(SMALL).with_status(200).json();
     assert_eq!(job["table"], table);
-    assert_eq!(again.metric("ltcforge_entries_fitted_total"), 0, "nothing is fitted twice");
+    assert_eq!(again.metric("ltcforge_entries_fitted_total"), 0, "an entry was fitted twice");
 }
 
 #[test]
-fn a_database_that_stops_for_a_while_costs_no_job() {
+fn no_job_is_lost_while_the_database_is_down() {
     let folder = tempfile::tempdir().expect("a folder");
     let Some(mut shared) = Shared::new(folder.path()) else { return };
     let Some(database) = throwaway::Server::start("-c fsync=off") else { return };
@@ -112,7 +112,7 @@ fn a_database_that_stops_for_a_while_costs_no_job() {
 }
 
 #[test]
-fn a_standby_takes_over_with_all_that_was_acknowledged() {
+fn a_standby_takes_over_with_everything_that_was_acknowledged() {
     let folder = tempfile::tempdir().expect("a folder");
     let Some(mut shared) = Shared::new(folder.path()) else { return };
     let Some(primary) = throwaway::Server::start("-c fsync=off") else { return };
@@ -155,7 +155,7 @@ fn workers_clocks_that_are_an_hour_off_have_no_effect() {
         return;
     };
     let replica = shared.replica(&folder.path().join("replica"));
-    // If they expired by a worker's clock, one worker would take the other's at once.
+    // If leases expired by the workers' clocks, one worker would take the shards of the other at once.
     let _workers = ["-1h", "+1h"].map(|offset| {
         let clock = [("LD_PRELOAD", library.as_str()), ("FAKETIME", offset), ("FAKETIME_DONT_FAKE_MONOTONIC", "1")];
         let environment = clock.map(|(name, value)| (name.to_owned(), value.to_owned())).into();
@@ -165,9 +165,9 @@ fn workers_clocks_that_are_an_hour_off_have_no_effect() {
     assert_eq!((&job["state"], &job["attempts"]), (&"done".into(), &1.into()), "{job:#}");
 }
 
-/// The folder's tables and jobs are whole.
+/// After the error, the tables and jobs in the folder are intact.
 #[test]
-fn a_clock_before_1970_is_told_and_damages_nothing() {
+fn a_clock_before_1970_is_reported_and_damages_nothing() {
     let folder = tempfile::tempdir().expect("a folder");
     let Some(library) = faketime() else {
         tell_skipped("faketime is not installed, which gives a process another clock");
@@ -216,7 +216,7 @@ fn a_replica_whose_role_cannot_write_is_not_ready_and_says_why() {
     replica.submit(SMALL).with_status(202);
 }
 
-/// The library that gives a program another clock, where Debian installs it.
+/// The library that gives a program another clock, at the path where Debian installs it.
 fn faketime() -> Option<String> {
     let folders = std::fs::read_dir("/usr/lib").ok()?.filter_map(Result::ok);
     let mut libraries = folders.map(|folder| folder.path().join("faketime/libfaketimeMT.so.1"));

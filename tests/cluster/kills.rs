@@ -1,4 +1,4 @@
-//! Kill -9 at random, under a stream of jobs: [`KILLS`] times, or `LTCFORGE_TEST_KILLS` times.
+//! Kills processes with SIGKILL at random while jobs are submitted: [`KILLS`] or `LTCFORGE_TEST_KILLS` times.
 
 use crate::{
     Shared, Worker,
@@ -22,7 +22,7 @@ fn kills_lose_nothing_that_was_acknowledged() {
     let Some(database) = throwaway::Server::start("-c fsync=off") else { return };
     shared.database = database.empty_database();
     let name = shared.database.split(['/', '?']).nth(3).expect("a name").to_owned();
-    // Gets a row for each finished shard that is leased again.
+    // This table gets a row for each finished shard that is leased again.
     let replica = |number: usize| shared.replica(&folder.path().join(format!("replica-{number}")));
     let mut replicas: Vec<Option<Server>> = (0..2).map(|number| Some(replica(number))).collect();
     database.psql(
@@ -39,13 +39,13 @@ fn kills_lose_nothing_that_was_acknowledged() {
     let mut acknowledged = Vec::new();
     let kills = rounds("LTCFORGE_TEST_KILLS", KILLS);
     for kill in 0..kills {
-        // A process that is killed is started again before the next kill; sometimes all are killed at once.
+        // A killed process is started again before the next kill. Sometimes all processes are killed at once.
         let hit = random.below(5);
         let submitted = four_shards(kill);
         if let Some(server) = replicas.iter().flatten().next() {
             acknowledged.push((submitted.clone(), text(&server.submit(&submitted).json()["id"]).to_owned()));
         }
-        // The job has got to another point each time.
+        // Each kill happens at another point of the job.
         let wanted = random.below(5);
         let (_, id) = acknowledged.last().expect("a job");
         let finished = format!(
@@ -53,7 +53,7 @@ fn kills_lose_nothing_that_was_acknowledged() {
             WHERE encode(j.id, 'hex') = '{id}' AND t.state = 'finished'"
         );
         let ended = format!("SELECT count(*) FROM ltcforge.jobs WHERE encode(id, 'hex') = '{id}' AND state = 'done'");
-        eventually("a place to kill at", || {
+        eventually("the point for the next kill", || {
             let count: usize = database.psql(&name, &finished).parse().expect("a count");
             (count >= wanted || database.psql(&name, &ended) == "1").then_some(())
         });

@@ -1,4 +1,4 @@
-//! A worker whose link to the database is down for longer than its leases, or loses packets.
+//! A worker whose connection to the database is down for longer than its leases, or loses packets.
 
 use std::{
     net::Ipv4Addr,
@@ -14,12 +14,12 @@ use crate::{
     throwaway,
 };
 
-/// A few shards, each long enough for the link to be cut during it.
+/// A few shards. Each takes long enough to cut the connection during the fit.
 const LONG_SHARDS: &str = r#"{"preset":"draft","resolution":{"alpha":4,"ratio":4,"theta":8,"phi":4},
     "fit":{"samples":4096,"directions":16,"steps":20}}"#;
 
 #[test]
-fn a_worker_that_was_cut_off_is_replaced_and_goes_on_later() {
+fn a_disconnected_worker_is_replaced_and_continues_later() {
     let folder = tempfile::tempdir().expect("a folder");
     let Some(mut shared) = Shared::new(folder.path()) else { return };
     let Some(database) = throwaway::Server::start("-c fsync=off") else { return };
@@ -28,7 +28,7 @@ fn a_worker_that_was_cut_off_is_replaced_and_goes_on_later() {
     let expected = run_with_stdin(folder.path(), ["fit", "-", "-o", "fitted"], LONG_SHARDS).exited(0);
     let link = Proxy::start(Upstream::Unix(database.socket()));
     let replica = shared.replica(&folder.path().join("replica"));
-    // Which connection leases and which finishes an attempt.
+    // Records which connection leases an attempt, and which finishes it.
     database.psql(
         &name,
         "CREATE TABLE writes (state text, worker text, task integer, lease bigint, leases integer);
@@ -49,7 +49,7 @@ fn a_worker_that_was_cut_off_is_replaced_and_goes_on_later() {
 
     link.set(Link::Held);
     let other = Worker::start(&named(shared.clone(), "other"), folder.path(), "2");
-    // Its late result arrives while another worker fits the shard again.
+    // The late result of the worker arrives while another worker fits the shard again.
     eventually("another lease of what it had", || {
         let again = "SELECT count(*) FROM writes WHERE state = 'leased' AND worker = 'other' AND leases > 1";
         (database.psql(&name, again) != "0").then_some(())
@@ -61,27 +61,27 @@ fn a_worker_that_was_cut_off_is_replaced_and_goes_on_later() {
     let of_another = "SELECT count(*) FROM writes AS f WHERE state = 'finished' AND NOT EXISTS (
         SELECT FROM writes AS l
         WHERE l.state = 'leased' AND (l.worker, l.task, l.lease) = (f.worker, f.task, f.lease))";
-    assert_eq!(database.psql(&name, of_another), "0", "a late result was taken");
+    assert_eq!(database.psql(&name, of_another), "0", "a late result was accepted");
     drop(other);
 
-    // It goes on with other shards.
+    // The worker continues with other shards.
     let job = replica.finished(text(&replica.submit(SMALL).with_status(202).json()["id"]));
     assert_eq!(job["state"], "done", "{job:#}");
     drop(cut_off);
 }
 
-/// A network namespace whose only link loses a fifth of all packets in each direction. Removed when dropped.
+/// A network namespace. Its only link loses a fifth of all packets in each direction. It is removed when dropped.
 struct Lossy {
     name: String,
-    /// The address of this end of the link.
+    /// The address of this side of the link.
     here: Ipv4Addr,
 }
 
 impl Lossy {
-    /// `None`, with a message, where namespaces cannot be made.
+    /// Prints a message and returns `None` if namespaces cannot be created.
     fn new() -> Option<Self> {
         let process = std::process::id();
-        // Unique addresses: a test that was killed leaves its namespace, and two links to the same network do not work.
+        // The addresses are unique: a killed test leaves its namespace, and two links to the same network do not work.
         let network = u32::from(Ipv4Addr::new(10, 213, 0, 0)) + process % 0x4000 * 4;
         let [here, there] = [1, 2].map(|end| Ipv4Addr::from(network + end));
         let (name, link) = (format!("ltcforge{process}"), format!("ltc{process}v"));
@@ -108,13 +108,13 @@ impl Lossy {
 
 impl Drop for Lossy {
     fn drop(&mut self) {
-        // It may not exist.
+        // The namespace may not exist.
         let _ = Command::new("ip").args(["netns", "del", &self.name]).stderr(Stdio::null()).status();
     }
 }
 
 #[test]
-fn a_worker_that_loses_a_fifth_of_its_packets_does_all_there_is() {
+fn a_worker_that_loses_a_fifth_of_its_packets_finishes_all_jobs() {
     let folder = tempfile::tempdir().expect("a folder");
     let Some(mut shared) = Shared::new(folder.path()) else { return };
     let Some(lossy) = Lossy::new() else { return };
@@ -125,7 +125,7 @@ fn a_worker_that_loses_a_fifth_of_its_packets_does_all_there_is() {
     let replica = shared.replica(&folder.path().join("replica"));
     let by = ["ip", "netns", "exec", &lossy.name];
     let far = shared.by(link.address);
-    // A worker that ends because it cannot connect is started again, as a supervisor would.
+    // A worker ends if it cannot connect. It is started again, as by a supervisor.
     let _worker = eventually("a worker that connects", || Worker::start_by(&by, &far, folder.path(), "60"));
     let begun = Instant::now();
     let job = replica.finished(text(&replica.submit(LARGE).with_status(202).json()["id"]));
@@ -140,7 +140,7 @@ fn a_worker_that_loses_a_fifth_of_its_packets_does_all_there_is() {
     }
 }
 
-/// How long jobs are run on a link that loses packets: a minute, or `LTCFORGE_TEST_LOSS_SECONDS`.
+/// The duration of the run on a link that loses packets: a minute, or `LTCFORGE_TEST_LOSS_SECONDS`.
 fn lossy_time() -> Duration {
     let seconds =
         std::env::var("LTCFORGE_TEST_LOSS_SECONDS").map_or(60, |text| text.parse().expect("a number of seconds"));

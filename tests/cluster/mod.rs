@@ -1,4 +1,4 @@
-//! Several processes of the binary on one PostgreSQL and one blob store, a folder.
+//! Tests with several processes of the binary, one PostgreSQL and one blob store, which is a folder.
 
 #[path = "../../src/server/store/postgres/tests/throwaway.rs"]
 pub(crate) mod throwaway;
@@ -27,12 +27,13 @@ use crate::common::{command::ltcforge, server::Server};
 pub(crate) struct Shared {
     pub(crate) database: String,
     pub(crate) blobs: String,
-    /// Further environment variables of the processes.
+    /// Additional environment variables for the processes.
     pub(crate) environment: Vec<(String, String)>,
 }
 
 impl Shared {
-    /// An empty database and an empty folder in `folder`; `None`, with a message, where PostgreSQL is not installed.
+    /// Creates an empty database, and an empty folder in `folder`. Prints a message and returns `None` if PostgreSQL is
+    /// not installed.
     pub(crate) fn new(folder: &Path) -> Option<Self> {
         let blobs = folder.join("store");
         std::fs::create_dir_all(&blobs).expect("a folder");
@@ -40,7 +41,7 @@ impl Shared {
         Some(Self { database: throwaway::empty_database()?, blobs, environment: vec![] })
     }
 
-    /// The same, with the database at another address.
+    /// The same database at another address, and the same store.
     pub(crate) fn by(&self, address: SocketAddr) -> Self {
         let database = format!("postgres://postgres@{address}/{}?sslmode=disable", self.name());
         Self { database, blobs: self.blobs.clone(), environment: self.environment.clone() }
@@ -52,28 +53,28 @@ impl Shared {
         name.split('?').next().unwrap_or(name)
     }
 
-    /// A replica with `folder` as its data folder that only serves.
+    /// A replica that only serves. `folder` is its data folder.
     pub(crate) fn replica(&self, folder: &Path) -> Server {
         let args: Vec<&str> = self.arguments().into_iter().chain(["--no-workers"]).collect();
         Server::start_in(folder, &args, &self.environment)
     }
 
-    /// The arguments of the processes.
+    /// The arguments for the processes.
     pub(crate) fn arguments(&self) -> [&str; 4] {
         ["--database", &self.database, "--blobs", &self.blobs]
     }
 }
 
-/// A worker process. Killed when dropped.
+/// A worker process. It is killed when dropped.
 pub(crate) struct Worker(pub(crate) Child);
 
 impl Worker {
-    /// Starts a worker of one thread, with leases of `lease_seconds`.
+    /// Starts a worker with one thread and leases of `lease_seconds`.
     pub(crate) fn start(shared: &Shared, folder: &Path, lease_seconds: &str) -> Self {
         Self::start_by(&[], shared, folder, lease_seconds).expect("a worker that connects")
     }
 
-    /// Starts it by another command; `None` if it ended because it could not connect.
+    /// Starts the worker through another command. `None` if the worker ended because it could not connect.
     pub(crate) fn start_by(by: &[&str], shared: &Shared, folder: &Path, lease_seconds: &str) -> Option<Self> {
         let own = ["--workers", "1", "--lease-seconds", lease_seconds];
         let mut command = ltcforge(folder, ["work"].iter().chain(&shared.arguments()).chain(&own));
@@ -96,7 +97,7 @@ impl Worker {
 
 impl Drop for Worker {
     fn drop(&mut self) {
-        // It may have ended already.
+        // The process may have ended already.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }

@@ -1,4 +1,4 @@
-//! An object store that is down, slow, full or broken, or sends other bytes.
+//! Object stores that are down, slow, full or broken, or that send other bytes.
 
 use crate::{
     Shared, Worker,
@@ -7,7 +7,7 @@ use crate::{
     s3::S3,
 };
 
-/// A database, an S3 server, and a link to it that the processes use.
+/// A database, an S3 server, and a proxy in front of it that the processes use.
 fn shared_on_s3(folder: &std::path::Path) -> Option<(Shared, S3, Proxy)> {
     let mut shared = Shared::new(folder)?;
     let server = S3::start()?;
@@ -18,7 +18,7 @@ fn shared_on_s3(folder: &std::path::Path) -> Option<(Shared, S3, Proxy)> {
 }
 
 #[test]
-fn uploads_are_tried_until_the_store_takes_them_and_readers_get_no_wrong_bytes() {
+fn uploads_are_retried_until_they_succeed_and_readers_get_no_wrong_bytes() {
     let folder = tempfile::tempdir().expect("a folder");
     let Some((shared, _server, link)) = shared_on_s3(folder.path()) else { return };
     let replica = shared.replica(&folder.path().join("one"));
@@ -26,7 +26,7 @@ fn uploads_are_tried_until_the_store_takes_them_and_readers_get_no_wrong_bytes()
 
     link.set(Link::Answers(500));
     let id = text(&replica.submit(SMALL).with_status(202).json()["id"]).to_owned();
-    // Broken, without permission, full, down: each must have refused an upload before the next.
+    // The store is broken, without permission, full, or down. Each state must reject an upload before the next state.
     for next in [Link::Answers(403), Link::Answers(507), Link::Down, Link::Slow] {
         let before = link.refused();
         eventually("an upload", || (link.refused() > before).then_some(()));
@@ -38,7 +38,7 @@ fn uploads_are_tried_until_the_store_takes_them_and_readers_get_no_wrong_bytes()
     assert_eq!(job["state"], "done", "{job:#}");
     let table = text(&job["table"]).to_owned();
 
-    // This replica has never read it, so that nothing comes from its cache.
+    // This replica has never read the table, so its cache is empty.
     let other = shared.replica(&folder.path().join("other"));
     let path = format!("/v1/tables/{table}");
     link.set(Link::Answers(403));
@@ -55,14 +55,14 @@ fn uploads_are_tried_until_the_store_takes_them_and_readers_get_no_wrong_bytes()
     let part = other.request("GET", &path, &[("range", "bytes=1-4")], None).with_status(206);
     assert_eq!(part.body, whole.body[1..5]);
     other.request("GET", &path, &[("if-none-match", &format!("\"{table}\""))], None).with_status(304);
-    // From its cache.
+    // With the link down, the replica serves the table from its cache.
     link.set(Link::Down);
     assert_eq!(other.get(&path).with_status(200).body, whole.body);
 }
 
-/// Storing the table takes several leases.
+/// An upload takes longer than one lease.
 #[test]
-fn a_slow_link_to_the_store_is_only_slow() {
+fn a_slow_link_to_the_store_causes_no_errors() {
     let folder = tempfile::tempdir().expect("a folder");
     let Some((shared, _server, link)) = shared_on_s3(folder.path()) else { return };
     let replica = shared.replica(&folder.path().join("one"));

@@ -1,4 +1,4 @@
-//! A replica and a worker whose connections to the database go through pgbouncer.
+//! A replica and a worker that connect to the database through pgbouncer.
 
 use std::{
     env, fs,
@@ -14,19 +14,19 @@ use crate::{
     throwaway,
 };
 
-/// The first version that keeps prepared statements where connections are handed out by the transaction.
+/// The first version that keeps prepared statements in transaction mode.
 const WITH_PREPARED: (u32, u32) = (1, 21);
 
-/// Jobs through each mode, at once and then one by one.
+/// Jobs in each mode: first at the same time, then one by one.
 const JOBS: u32 = 8;
 
-/// Runs it as another user: it refuses to be root.
+/// Runs pgbouncer as another user, because it rejects root.
 const AS_NOBODY: &str = r#"
 as=''; if [ "$(id -u)" = 0 ]; then as='setpriv --reuid=65534 --regid=65534 --clear-groups'; fi
 exec $as "$@"
 "#;
 
-/// A running pgbouncer. Killed when dropped.
+/// A running pgbouncer. It is killed when dropped.
 pub(crate) struct Pooler {
     child: Child,
     pub(crate) address: SocketAddr,
@@ -34,14 +34,15 @@ pub(crate) struct Pooler {
 
 impl Drop for Pooler {
     fn drop(&mut self) {
-        // It may have ended already.
+        // The process may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
 impl Pooler {
-    /// Starts `program` before a database called `name`, with lines of its sections `[databases]` and `[pgbouncer]`.
+    /// Starts `program` in front of a database called `name`, with additional lines for its sections `[databases]` and
+    /// `[pgbouncer]`.
     pub(crate) fn start(
         program: &PathBuf,
         database: &throwaway::Server,
@@ -68,7 +69,7 @@ impl Pooler {
     }
 }
 
-/// The program and its version; `None`, with a message, where it is not installed.
+/// The program and its version. Prints a message and returns `None` if it is not installed.
 pub(crate) fn pgbouncer() -> Option<(PathBuf, (u32, u32))> {
     let named = env::var_os("LTCFORGE_TEST_PGBOUNCER").map(PathBuf::from);
     for program in named.map_or_else(|| vec!["pgbouncer".into(), "/usr/sbin/pgbouncer".into()], |named| vec![named]) {
@@ -83,7 +84,7 @@ pub(crate) fn pgbouncer() -> Option<(PathBuf, (u32, u32))> {
     None
 }
 
-/// The settings for transaction mode in docs/operations.md: those of the database, and those of pgbouncer.
+/// The settings for transaction mode in docs/operations.md: for the database, and for pgbouncer.
 fn documented() -> (String, String) {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/operations.md");
     let document = fs::read_to_string(file).expect("the document");
@@ -95,7 +96,7 @@ fn documented() -> (String, String) {
 }
 
 #[test]
-fn pgbouncer_in_between_costs_no_job() {
+fn no_job_is_lost_through_pgbouncer() {
     let folder = tempfile::tempdir().expect("a folder");
     let Some((program, version)) = pgbouncer() else { return };
     let Some(shared) = Shared::new(folder.path()) else { return };
@@ -110,7 +111,7 @@ fn pgbouncer_in_between_costs_no_job() {
         ));
     }
     for (mode, (of_database, of_all)) in modes {
-        // A database of its own, and a store that goes with it.
+        // Each mode has its own database and store.
         let folder = folder.path().join(mode);
         let blobs = folder.join("store");
         fs::create_dir_all(&blobs).expect("a folder");

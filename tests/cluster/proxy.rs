@@ -1,4 +1,4 @@
-//! A proxy for PostgreSQL or an object store that can cut or hold connections, or answer requests itself.
+//! A proxy for PostgreSQL or an object store. It can cut or hold connections, or answer requests itself.
 
 use std::{
     io::{self, BufRead as _, BufReader, Read, Write},
@@ -13,10 +13,10 @@ use std::{
     time::Duration,
 };
 
-/// Where a link leads.
+/// The server behind a proxy.
 #[derive(Debug, Clone)]
 pub(crate) enum Upstream {
-    /// A server's socket in the file system.
+    /// A Unix socket of a server.
     Unix(PathBuf),
     Tcp(SocketAddr),
 }
@@ -25,15 +25,15 @@ pub(crate) enum Upstream {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Link {
     Up,
-    /// A kilobyte passes in each direction in a tenth of a second.
+    /// Each direction passes a kilobyte per tenth of a second.
     Slow,
-    /// Connections end at once.
+    /// Connections are closed immediately.
     Down,
-    /// Connections stay open, and nothing passes until this changes.
+    /// Connections stay open, but no bytes pass until the mode changes.
     Held,
-    /// Each HTTP request is answered with this status.
+    /// Each HTTP request gets a response with this status.
     Answers(u16),
-    /// Each HTTP request is answered with bytes that were never stored.
+    /// Each HTTP request gets bytes that were never stored.
     OtherBytes,
 }
 
@@ -46,7 +46,7 @@ pub(crate) struct Proxy {
 struct State {
     inner: Mutex<Inner>,
     changed: Condvar,
-    /// Connections that were ended, and requests that were answered here.
+    /// Number of closed connections, and of requests that the proxy answered itself.
     refused: AtomicUsize,
 }
 
@@ -77,7 +77,7 @@ impl Stream {
     }
 
     fn end(&self) {
-        // It may have ended already.
+        // The connection may have ended already.
         let _ = match self {
             Self::Unix(stream) => stream.shutdown(Shutdown::Both),
             Self::Tcp(stream) => stream.shutdown(Shutdown::Both),
@@ -148,7 +148,7 @@ impl State {
         Ok(())
     }
 
-    /// Copies until either side ends; waits while the link is held.
+    /// Copies bytes until one side closes. Waits while the link is held.
     fn copy(&self, mut from: Stream, mut to: Stream) {
         let mut bytes = vec![0; 1 << 16];
         while let Ok(count @ 1..) = from.read(&mut bytes) {
@@ -170,7 +170,7 @@ impl State {
     }
 }
 
-/// Reads a request to the end of its body; returns its method, or `None` at the end of the connection.
+/// Reads a request up to the end of its body, and returns its method. `None` at the end of the connection.
 fn read_request(client: &Stream) -> io::Result<Option<String>> {
     let mut reader = BufReader::with_capacity(1, client.another()?);
     let (mut first, mut length) = (String::new(), 0);
@@ -209,7 +209,7 @@ impl Proxy {
         Self::start_on(Ipv4Addr::LOCALHOST, upstream)
     }
 
-    /// A proxy on another local address.
+    /// A proxy on the given local address.
     pub(crate) fn start_on(address: Ipv4Addr, upstream: Upstream) -> Self {
         let listener = TcpListener::bind((address, 0)).expect("a port");
         let address = listener.local_addr().expect("its address");
@@ -219,14 +219,14 @@ impl Proxy {
         thread::spawn(move || {
             for client in listener.incoming().map_while(Result::ok) {
                 let state = Arc::clone(&accepting);
-                // Failing connections are intended.
+                // Failing connections are expected.
                 thread::spawn(move || drop(state.serve(Stream::Tcp(client))));
             }
         });
         Self { address, state }
     }
 
-    /// Changes the link. Open connections go on if it is up, slow or held, and end otherwise.
+    /// Changes the mode of the link. Open connections continue if it is up, slow or held. Otherwise they are closed.
     pub(crate) fn set(&self, link: Link) {
         let mut inner = self.state.lock();
         let was = std::mem::replace(&mut inner.link, link);
@@ -245,7 +245,7 @@ impl Proxy {
         inner.open.drain(..).for_each(|stream| stream.end());
     }
 
-    /// Connections that were ended at once, and requests that were answered here.
+    /// The number of connections that were closed at once, and of requests that the proxy answered itself.
     pub(crate) fn refused(&self) -> usize {
         self.state.refused.load(Ordering::Relaxed)
     }

@@ -1,4 +1,4 @@
-//! An S3 server for tests: moto, in Python. It keeps its objects in memory.
+//! An S3 server for tests: moto, a Python program. It keeps its objects in memory.
 
 use std::{
     net::{SocketAddr, TcpListener, TcpStream},
@@ -8,20 +8,20 @@ use std::{
 
 use crate::common::{eventually, tell_skipped};
 
-/// A running server with the bucket `tables`. Killed when dropped.
+/// A running server with the bucket `tables`. It is killed when dropped.
 pub(crate) struct S3 {
     child: Child,
     pub(crate) address: SocketAddr,
 }
 
 impl S3 {
-    /// Starts it; `None`, with a message, where moto is not installed.
+    /// Starts the server. Prints a message and returns `None` if moto is not installed.
     pub(crate) fn start() -> Option<Self> {
         let Some(python) = python() else {
             tell_skipped("there is no Python with moto[server] here; `make cluster` installs it");
             return None;
         };
-        // The port is free now, and other processes are unlikely to choose it.
+        // The port is free now, and it is unlikely that another process takes it.
         let free = TcpListener::bind("127.0.0.1:0").expect("a port");
         let address = free.local_addr().expect("its address");
         drop(free);
@@ -35,7 +35,7 @@ impl S3 {
         Some(server)
     }
 
-    /// The environment of a process that uses it at `address`, which may be a proxy's.
+    /// Environment variables for a process that uses the server at `address`, which can be the address of a proxy.
     pub(crate) fn environment(address: SocketAddr) -> Vec<(String, String)> {
         let variable = |(name, value): (&str, &str)| (name.to_owned(), value.to_owned());
         let mut all: Vec<_> = [
@@ -53,13 +53,13 @@ impl S3 {
 
 impl Drop for S3 {
     fn drop(&mut self) {
-        // It may have ended already.
+        // The process may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
-/// A Python that has moto: the one of `make cluster`, or the one in `PATH`.
+/// A Python with moto: from `make cluster`, or from `PATH`.
 fn python() -> Option<PathBuf> {
     let target = Path::new(env!("CARGO_BIN_EXE_ltcforge")).ancestors().nth(2)?;
     let has_moto = |python: &PathBuf| {

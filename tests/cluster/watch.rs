@@ -1,4 +1,4 @@
-//! What operators see of workers and of the queue.
+//! Metrics and health of workers and of the queue, as operators see them.
 
 use std::io::{BufRead as _, BufReader};
 
@@ -12,7 +12,7 @@ use crate::{
     },
 };
 
-/// A figure in the text of `/metrics`.
+/// The value of a metric in the text of `/metrics`.
 fn figure(metrics: &str, name: &str) -> f64 {
     let value = metrics.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' '));
     value.unwrap_or_else(|| panic!("no {name} in {metrics}")).parse().expect("a number")
@@ -25,7 +25,7 @@ fn get(url: &str, path: &str) -> (u16, String) {
 }
 
 #[test]
-fn a_worker_tells_how_it_is_at_an_address_of_its_own() {
+fn a_worker_reports_its_health_at_its_own_address() {
     let folder = tempfile::tempdir().expect("a folder");
     let Some(shared) = Shared::new(folder.path()) else { return };
     let args = ["work", "--workers", "1", "--listen"];
@@ -51,9 +51,9 @@ fn a_worker_tells_how_it_is_at_an_address_of_its_own() {
     assert_eq!(replica.metric("ltcforge_entries_fitted_total"), 0, "it does not fit");
 }
 
-/// Every process tells the same of the queue.
+/// Every process reports the same queue depth.
 #[test]
-fn the_queue_s_depth_falls_as_it_is_worked_on() {
+fn the_depth_of_the_queue_falls_as_jobs_are_done() {
     let folder = tempfile::tempdir().expect("a folder");
     let Some(shared) = Shared::new(folder.path()) else { return };
     let replica = shared.replica(&folder.path().join("replica"));
@@ -67,7 +67,7 @@ fn the_queue_s_depth_falls_as_it_is_worked_on() {
         let metrics = metrics();
         (figure(&metrics, "ltcforge_queue_oldest_seconds") > 1.0).then_some(metrics)
     });
-    assert_eq!(figure(&older, waiting), figure(&before, waiting), "nobody works on it");
+    assert_eq!(figure(&older, waiting), figure(&before, waiting), "no worker takes jobs");
     let _worker = Worker::start(&shared, folder.path(), "60");
     replica.finished(&id);
     let after = metrics();

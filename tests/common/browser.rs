@@ -1,4 +1,4 @@
-//! Runs scripts of Node.js, with or without a browser. `make test` installs Node.js and the browser. Without them the
+//! Runs Node.js scripts, with or without a browser. `make test` installs Node.js and the browser. Without them, the
 //! tests report that they are skipped.
 
 use std::{
@@ -11,26 +11,26 @@ use serde::de::DeserializeOwned;
 
 use super::tell_skipped;
 
-/// Whether a program starts.
+/// Whether a program can be started.
 pub(crate) fn starts(program: &str) -> bool {
     let mut command = Command::new(program);
     command.arg("--version").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
     command.status().is_ok_and(|status| status.success())
 }
 
-/// The JSON output of a script in `folder` that needs a browser; `None` if it cannot run.
+/// The JSON output of a script in `folder` that needs a browser. `None` if it cannot run.
 pub(crate) fn script<T: DeserializeOwned>(folder: &Path, file: &str, args: &[&str]) -> Option<T> {
     let chromium = env::var("CHROMIUM").unwrap_or_else(|_| "chromium-headless-shell".to_owned());
     if !starts(&chromium) {
         tell_skipped(&format!("{chromium} is missing (Debian: chromium-headless-shell)"));
         return None;
     }
-    // playwright-core needs a path.
+    // playwright-core needs an absolute path.
     let words = ["--ltcforge", env!("CARGO_BIN_EXE_ltcforge"), "--chromium", &which(&chromium)];
     node(folder, file, &[&words, args].concat())
 }
 
-/// The JSON output of a script in `folder` that needs no browser; `None` if it cannot run.
+/// The JSON output of a script in `folder` that needs no browser. `None` if it cannot run.
 pub(crate) fn node<T: DeserializeOwned>(folder: &Path, file: &str, args: &[&str]) -> Option<T> {
     if !starts("node") {
         tell_skipped("node is missing (Debian: nodejs)");
@@ -48,7 +48,7 @@ pub(crate) fn node<T: DeserializeOwned>(folder: &Path, file: &str, args: &[&str]
     Some(serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{file}: {error}: {complaints}")))
 }
 
-/// The path of a program that starts.
+/// The path of a program in `PATH`.
 fn which(program: &str) -> String {
     let folders = env::var_os("PATH").unwrap_or_default();
     let found = env::split_paths(&folders).map(|folder| folder.join(program)).find(|path| path.is_file());

@@ -1,4 +1,4 @@
-//! Running the binary to its end.
+//! Runs the binary to its end.
 
 use std::{
     ffi::OsStr,
@@ -21,12 +21,12 @@ impl Run {
         self.stdout.lines().last().unwrap_or_default()
     }
 
-    /// The lines of the command's errors, without logs.
+    /// The error lines of the command, without log lines.
     pub(crate) fn complaints(&self) -> Vec<&str> {
         self.stderr.lines().filter_map(|line| line.strip_prefix("ltcforge: ")).collect()
     }
 
-    /// The run, if it ended with `code`.
+    /// Checks that the run ended with `code`, and returns it.
     #[track_caller]
     pub(crate) fn exited(self, code: i32) -> Self {
         assert_eq!(self.code, Some(code), "{self:#?}");
@@ -41,7 +41,7 @@ impl From<Output> for Run {
     }
 }
 
-/// The binary in `folder`, without our variables or a proxy in its environment.
+/// The binary in `folder`. Its environment has no ltcforge variables and no proxy.
 pub(crate) fn ltcforge<A: AsRef<OsStr>>(folder: &Path, args: impl IntoIterator<Item = A>) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_ltcforge"));
     for (name, _) in std::env::vars_os() {
@@ -62,12 +62,12 @@ pub(crate) fn run<A: AsRef<OsStr>>(folder: &Path, args: impl IntoIterator<Item =
 /// Runs the binary with `input` on stdin.
 pub(crate) fn run_with_stdin<A: AsRef<OsStr>>(folder: &Path, args: impl IntoIterator<Item = A>, input: &str) -> Run {
     let mut child = ltcforge(folder, args).stdin(Stdio::piped()).spawn().expect("the binary runs");
-    // A command that refuses its arguments does not read stdin.
+    // A command that rejects its arguments does not read stdin.
     let _ = child.stdin.take().expect("a pipe").write_all(input.as_bytes());
     child.wait_with_output().expect("the binary ends").into()
 }
 
-/// Sends `child` a signal by name, such as `TERM`.
+/// Sends a signal to `child`. The name is, for example, `TERM`.
 pub(crate) fn signal(child: &Child, name: &str) {
     let sent: ExitStatus =
         Command::new("sh").args(["-c", &format!("kill -{name} {}", child.id())]).status().expect("a shell");

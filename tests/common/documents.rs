@@ -1,4 +1,4 @@
-//! The commands of documents, run as they are written.
+//! Runs the commands of documents as they are written.
 
 use std::{
     env, fs,
@@ -14,7 +14,7 @@ pub(crate) fn document(path: &str) -> String {
         .unwrap_or_else(|error| panic!("{path}: {error}"))
 }
 
-/// The code blocks of one language in a document, in order.
+/// The code blocks in one language of a document, in order.
 pub(crate) fn blocks(path: &str, language: &str) -> Vec<String> {
     let text = document(path);
     let fence = format!("```{language}\n");
@@ -25,14 +25,14 @@ pub(crate) fn blocks(path: &str, language: &str) -> Vec<String> {
     blocks
 }
 
-/// The lines of all `sh` blocks of a document except lines with one of these beginnings.
+/// The lines of all `sh` blocks of a document, except lines with one of these prefixes.
 pub(crate) fn commands(path: &str, except: &[&str]) -> String {
     let blocks = blocks(path, "sh").concat();
     let lines = blocks.lines().filter(|line| !except.iter().any(|start| line.starts_with(start)));
     lines.flat_map(|line| [line, "\n"]).collect()
 }
 
-/// Runs a program in a folder, with the binary on its path and neither our variables nor a proxy in its environment.
+/// Runs a program in a folder. The binary is in its `PATH`. Its environment has no ltcforge variables and no proxy.
 pub(crate) fn run_in(folder: &Path, program: impl AsRef<Path>, args: &[&str]) -> Output {
     let binary = Path::new(env!("CARGO_BIN_EXE_ltcforge")).parent().expect("a folder");
     let path = env::var_os("PATH").unwrap_or_default();
@@ -49,7 +49,7 @@ pub(crate) fn run_in(folder: &Path, program: impl AsRef<Path>, args: &[&str]) ->
     command.output().expect("the program runs")
 }
 
-/// Runs a script of `sh` in a folder. Returns its standard output.
+/// Runs an `sh` script in a folder. Returns its standard output.
 #[track_caller]
 pub(crate) fn shell(folder: &Path, script: &str) -> String {
     let ran = run_in(folder, "sh", &["-euc", script]);

@@ -1,4 +1,4 @@
-//! Folders and their files.
+//! Reads and writes folders of files.
 
 use std::{
     collections::BTreeMap,
@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Every file below `folder` and its bytes.
+/// Every file below `folder`, with its bytes.
 pub(crate) fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in fs::read_dir(folder).expect("a folder") {
@@ -20,7 +20,7 @@ pub(crate) fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     found
 }
 
-/// Writes files, each with its folder.
+/// Writes files and creates their folders.
 pub(crate) fn write(files: &BTreeMap<PathBuf, Vec<u8>>) {
     for (path, bytes) in files {
         fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");

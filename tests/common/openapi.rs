@@ -10,7 +10,7 @@ use super::server::Answer;
 pub(crate) static DOCUMENT: LazyLock<Value> =
     LazyLock::new(|| serde_saphyr::from_str(include_str!("../../openapi.yaml")).expect("openapi.yaml is YAML"));
 
-/// The methods that a path item may have.
+/// The methods that can be in a path item.
 pub(crate) const METHODS: [&str; 7] = ["get", "head", "post", "put", "patch", "delete", "options"];
 
 /// The schema `value`, or the schema that it refers to.
@@ -24,7 +24,7 @@ pub(crate) fn resolve(value: &'static Value) -> &'static Value {
     }
 }
 
-/// The faults of `instance` under `schema`, a schema of the document.
+/// The validation errors of `instance` under `schema`, a schema of the document.
 pub(crate) fn faults(schema: &Value, instance: &Value) -> Vec<String> {
     let whole = json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
@@ -48,12 +48,12 @@ pub(crate) fn check(method: &str, path: &str, answer: &Answer) {
     });
     let response = if let Some(operation) = operation.filter(|operation| !operation.is_null()) {
         match &operation["responses"][answer.status.to_string()] {
-            // Responses of all calls.
+            // Responses that every call can have.
             Value::Null => resolve(&DOCUMENT["x-any-path"][answer.status.to_string()]),
             own => resolve(own),
         }
     } else {
-        // Calls that are not in the document are answered with a problem, as its introduction states.
+        // Calls that are not in the document get a problem response, as its introduction states.
         let expected = if item.is_none() { 404 } else { 405 };
         assert_eq!(answer.status, expected, "{call}: not in the file");
         resolve(&DOCUMENT["components"]["responses"]["NotFound"])

@@ -19,7 +19,7 @@ use super::{
     eventually, openapi,
 };
 
-/// The longest body of a response.
+/// The largest body of a response, in bytes.
 const MOST_BODY: u64 = 100 << 20;
 
 /// A service on a free port. It is killed when dropped.
@@ -30,11 +30,11 @@ pub(crate) struct Server {
     pub(crate) url: String,
     stderr: Option<JoinHandle<String>>,
     agent: Agent,
-    /// Its working folder, which has no `ltcforge.toml`.
+    /// The working folder of the service. It has no `ltcforge.toml`.
     _folder: TempDir,
 }
 
-/// A response that was checked against `openapi.yaml`.
+/// A response, already checked against `openapi.yaml`.
 #[derive(Debug, Clone)]
 pub(crate) struct Answer {
     pub(crate) status: u16,
@@ -55,7 +55,7 @@ impl Answer {
         serde_json::from_slice(&self.body).unwrap_or_else(|error| panic!("{error}: {self:?}"))
     }
 
-    /// The response, if it has `status`.
+    /// Checks that the response has `status`, and returns it.
     #[track_caller]
     pub(crate) fn with_status(self, status: u16) -> Self {
         assert_eq!(self.status, status, "{}", String::from_utf8_lossy(&self.body));
@@ -64,7 +64,7 @@ impl Answer {
 }
 
 impl Server {
-    /// Starts a service on the store in `data` with further arguments.
+    /// Starts a service on the store in `data` with additional arguments.
     pub(crate) fn start(data: &Path, args: &[&str]) -> Self {
         let data = data.to_str().expect("a path in UTF-8");
         let fixed = ["serve", "--listen", "127.0.0.1:0", "--data", data];
@@ -73,7 +73,7 @@ impl Server {
         Self::of(command, folder)
     }
 
-    /// Starts a service with further variables in its environment.
+    /// Starts a service with additional environment variables.
     pub(crate) fn start_in(data: &Path, args: &[&str], environment: &[(String, String)]) -> Self {
         let data = data.to_str().expect("a path in UTF-8");
         let fixed = ["serve", "--listen", "127.0.0.1:0", "--data", data];
@@ -88,13 +88,13 @@ impl Server {
         let data = data.to_str().expect("a path in UTF-8");
         let folder = tempfile::tempdir().expect("a folder");
         let plain = ltcforge(folder.path(), ["serve", "--listen", "127.0.0.1:0", "--data", data].iter().chain(args));
-        // Only a shell can limit a single child.
+        // Only a shell can set this limit for a single child process.
         let mut command = limited(&plain, descriptors);
         command.current_dir(folder.path());
         Self::of(command, folder)
     }
 
-    /// Starts a service under another program with its own arguments `words`. The service is the child process.
+    /// Starts a service through another program with arguments `words`. The service is the child process.
     pub(crate) fn start_under(program: &str, words: &[&str], data: &Path, args: &[&str]) -> Self {
         let data = data.to_str().expect("a path in UTF-8");
         let folder = tempfile::tempdir().expect("a folder");
@@ -106,7 +106,7 @@ impl Server {
         Self::of(command, folder)
     }
 
-    /// Starts a service on the store in `data`. The error is the run of a service that did not start.
+    /// Starts a service on the store in `data`. The error is the run of a service that failed to start.
     pub(crate) fn attempt(data: &Path, args: &[&str]) -> Result<Self, Run> {
         let folder = tempfile::tempdir().expect("a folder");
         let data = data.to_str().expect("a path in UTF-8");
@@ -114,7 +114,7 @@ impl Server {
         Self::try_of(command, folder)
     }
 
-    /// Runs `command`, a service, in `folder`.
+    /// Runs `command`, which starts a service, in `folder`.
     #[track_caller]
     fn of(command: Command, folder: TempDir) -> Self {
         Self::try_of(command, folder).unwrap_or_else(|run| panic!("the service did not start: {run:#?}"))
@@ -125,7 +125,7 @@ impl Server {
         let mut pipe = child.stderr.take().expect("a pipe");
         let stderr = thread::spawn(move || {
             let mut text = String::new();
-            // A log is read up to the first invalid UTF-8.
+            // The log is read up to the first bytes that are not UTF-8.
             let _ = pipe.read_to_string(&mut text);
             text
         });
@@ -133,7 +133,7 @@ impl Server {
         let (sender, line) = mpsc::channel();
         thread::spawn(move || {
             let mut line = String::new();
-            // A service that ends prints nothing.
+            // A service that exits prints no line.
             let _ = BufReader::new(&mut pipe).read_line(&mut line);
             let _ = sender.send(line);
         });
@@ -159,7 +159,7 @@ impl Server {
         request.call().expect("a stream")
     }
 
-    /// `GET` of a path.
+    /// A `GET` request of a path.
     #[track_caller]
     pub(crate) fn get(&self, path: &str) -> Answer {
         self.request("GET", path, &[], None)
@@ -195,7 +195,7 @@ impl Server {
         answer
     }
 
-    /// The job `id` as soon as it satisfies `is_there`.
+    /// Waits until the job `id` satisfies `is_there`, and returns it.
     pub(crate) fn job_when(&self, id: &str, is_there: impl Fn(&Value) -> bool) -> Value {
         eventually("the job's state", || {
             let job = self.get(&format!("/v1/jobs/{id}")).with_status(200).json();
@@ -203,7 +203,7 @@ impl Server {
         })
     }
 
-    /// The job `id` in its final state.
+    /// Waits until the job `id` is in a final state, and returns it.
     pub(crate) fn finished(&self, id: &str) -> Value {
         self.job_when(id, |job| job["state"] != "queued" && job["state"] != "running")
     }
@@ -217,7 +217,7 @@ impl Server {
         text(&job["table"]).to_owned()
     }
 
-    /// The value of a metric of `/metrics`.
+    /// The value of a metric in `/metrics`.
     #[track_caller]
     pub(crate) fn metric(&self, name: &str) -> u64 {
         let body = self.get("/metrics").with_status(200).body;
@@ -226,7 +226,7 @@ impl Server {
         value.unwrap_or_else(|| panic!("no {name} in\n{text}")).parse().expect("a count")
     }
 
-    /// The number of its open file descriptors.
+    /// The number of open file descriptors.
     pub(crate) fn descriptors(&self) -> usize {
         let folder = format!("/proc/{}/fd", self.child.id());
         std::fs::read_dir(folder).expect("a running service on Linux").count()
@@ -239,14 +239,14 @@ impl Server {
         line.split_whitespace().next().and_then(|kilobytes| kilobytes.parse::<u64>().ok()).expect("a number") * 1024
     }
 
-    /// Bytes that the process has read from files and connections so far.
+    /// The number of bytes that the process has read from files and connections.
     pub(crate) fn bytes_read(&self) -> u64 {
         let io = std::fs::read_to_string(format!("/proc/{}/io", self.child.id())).expect("Linux");
         let read = io.lines().find_map(|line| line.strip_prefix("rchar: "));
         read.and_then(|bytes| bytes.parse().ok()).expect("a number")
     }
 
-    /// Kills the process, as in a power cut.
+    /// Kills the process with SIGKILL.
     pub(crate) fn kill(mut self) {
         self.child.kill().expect("a running service");
         self.child.wait().expect("its end");
@@ -259,7 +259,7 @@ impl Server {
         self.stderr.take().map(|thread| thread.join().expect("its stderr")).unwrap_or_default()
     }
 
-    /// Its peak memory in MiB, since its start or since [`Self::forget_peak_memory`].
+    /// Peak memory in MiB, since the start of the process or since [`Self::forget_peak_memory`].
     pub(crate) fn peak_memory(&self) -> u64 {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).expect("a process on Linux");
         let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).expect("its peak");
@@ -271,7 +271,7 @@ impl Server {
         std::fs::write(format!("/proc/{}/clear_refs", self.child.id()), "5").expect("a process of ours");
     }
 
-    /// Its processor time in seconds. The process may have ended, but nobody may have waited for its end yet.
+    /// Processor time in seconds. The process may have ended, if nothing has waited for it yet.
     pub(crate) fn processor_seconds(&self) -> f64 {
         /// `USER_HZ` of every Linux.
         const TICKS: f64 = 100.0;
@@ -281,18 +281,18 @@ impl Server {
         [11, 12].map(|index| fields[index].parse::<f64>().expect("ticks")).iter().sum::<f64>() / TICKS
     }
 
-    /// Stops it by a signal. Returns the processor time from then to its end, in seconds.
+    /// Stops the process with a signal. Returns the run, and the processor time from the signal to the end, in seconds.
     pub(crate) fn stop_and_measure(self, by: &str) -> (Run, f64) {
         let before = self.processor_seconds();
         signal(&self.child, by);
         let id = i32::try_from(self.child.id()).ok().and_then(Pid::from_raw).expect("an id");
-        // NOWAIT keeps the times of the ended process readable.
+        // NOWAIT keeps the times of the ended process available.
         waitid(WaitId::Pid(id), WaitIdOptions::EXITED | WaitIdOptions::NOWAIT).expect("a child");
         let seconds = self.processor_seconds() - before;
         (self.ended(), seconds)
     }
 
-    /// Stops it by a signal and waits for its end.
+    /// Stops the process with a signal and waits for its end.
     pub(crate) fn stop(self, by: &str) -> Run {
         signal(&self.child, by);
         self.ended()
@@ -313,14 +313,14 @@ impl Drop for Server {
     }
 }
 
-/// `command` in a shell that limits it to `descriptors` file descriptors.
+/// Runs `command` in a shell that limits it to `descriptors` file descriptors.
 fn limited(command: &Command, descriptors: u32) -> Command {
     let mut shell = Command::new("sh");
     shell.args(["-c", &format!("ulimit -n {descriptors} && exec \"$@\""), "sh"]);
     wrapped(shell, command)
 }
 
-/// `command` as the last arguments of another program.
+/// Appends `command` as arguments to another program.
 fn wrapped(mut shell: Command, command: &Command) -> Command {
     shell.arg(command.get_program()).args(command.get_args());
     for (name, value) in command.get_envs() {
@@ -333,7 +333,7 @@ fn wrapped(mut shell: Command, command: &Command) -> Command {
     shell
 }
 
-/// A client that returns all statuses, uses no proxy, and has a timeout.
+/// A client that returns every status, uses no proxy and has a timeout.
 fn agent() -> Agent {
     Agent::config_builder().http_status_as_error(false).proxy(None).timeout_global(Some(DEADLINE)).build().into()
 }

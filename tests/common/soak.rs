@@ -1,8 +1,8 @@
-//! Harnesses with a short form for every run of the tests, and a long form for `make soak`.
+//! Tests with a short form for every run, and a long form for `make soak`.
 
 use std::env;
 
-/// The number of rounds of a harness: the number in the environment variable `name`, or `short`.
+/// The number of rounds of a test: the number in the environment variable `name`, or `short`.
 pub(crate) fn rounds(name: &str, short: usize) -> usize {
     match env::var(name) {
         Ok(number) => number.parse().unwrap_or_else(|_| panic!("{name} must be a number, got «{number}»")),
@@ -10,7 +10,7 @@ pub(crate) fn rounds(name: &str, short: usize) -> usize {
     }
 }
 
-/// Pseudo-random numbers that are equal in every run.
+/// Pseudo-random numbers that are the same in every run.
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
@@ -20,7 +20,7 @@ impl Random {
     }
 }
 
-/// A recipe of four shards, unique for each number. It takes some hundredths of a second.
+/// A recipe with four shards. It is unique for each number, and takes some hundredths of a second.
 pub(crate) fn four_shards(number: usize) -> String {
     format!(
         r#"{{"preset":"draft","resolution":{{"alpha":4,"ratio":4,"theta":4,"phi":4}},

@@ -1,8 +1,8 @@
-//! Files of a crate do not use each other in a circle, and every file is in the tree of modules. Cargo refuses circles
-//! of crates.
+//! Checks that the files of a crate do not use each other in a circle, and that every file is in the module tree. Cargo
+//! itself rejects circles of crates.
 //!
-//! The test reads files as text. It takes paths with `crate`, `super` or `self` outside of tests, in `use` declarations
-//! and in code, and resolves them through modules and re-exports to the file that defines the item.
+//! The test reads files as text. It takes paths with `crate`, `super` or `self` outside of tests, from `use`
+//! declarations and from code. It resolves them through modules and re-exports to the file that defines the item.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -10,13 +10,13 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Modules by their path below the crate's root. The path of the root is empty.
+/// Modules by their path below the root of the crate. The root has an empty path.
 type Modules = BTreeMap<Vec<String>, Module>;
 
 #[derive(Debug, Default)]
 struct Module {
     items: BTreeSet<String>,
-    /// Paths of other items, and whether they are re-exports.
+    /// Paths of other items. The flag marks re-exports.
     uses: Vec<(Vec<String>, bool)>,
     text: String,
 }
@@ -28,7 +28,7 @@ impl Module {
             if ["#[cfg(test", "#[cfg(any(test", "#[cfg(all(test"].iter().any(|start| line.starts_with(start)) {
                 let item = lines.find(|line| !line.starts_with("#[")).unwrap_or_default();
                 if item.contains("mod ") && item.ends_with('{') {
-                    // Tests are at the end of a file.
+                    // Tests are at the end of the file.
                     break;
                 }
                 let is_end = |line: &str| !line.starts_with([' ', '#']) && line.ends_with([';', '}']);
@@ -90,7 +90,7 @@ fn spread(tree: &str, before: &[String]) -> Vec<Vec<String>> {
     parts.iter().filter(|part| !part.trim().is_empty()).flat_map(|part| spread(part, &path)).collect()
 }
 
-/// The module that defines the item at `path`, relative to the module `from`.
+/// The module that defines the item at `path`, which is relative to the module `from`.
 fn owner(modules: &Modules, from: &[String], path: &[String], depth: u32) -> Option<Vec<String>> {
     let (first, rest) = path.split_first()?;
     let mut at = match first.as_str() {
@@ -127,7 +127,7 @@ fn owner(modules: &Modules, from: &[String], path: &[String], depth: u32) -> Opt
     modules.contains_key(&at).then_some(at)
 }
 
-/// All circles, each as a list of its modules.
+/// All circles. Each is a list of modules.
 fn circles(modules: &Modules) -> Vec<Vec<String>> {
     let edges: BTreeMap<&Vec<String>, BTreeSet<Vec<String>>> = modules
         .iter()
@@ -171,7 +171,7 @@ fn read(folder: &Path, path: &[String], modules: &mut Modules) {
 }
 
 #[test]
-fn files_use_each_other_in_no_circle() {
+fn files_do_not_use_each_other_in_a_circle() {
     let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let (mut uses, mut found, mut lost) = (0, vec![], vec![]);
     let folders = fs::read_dir(&src).expect("a folder").map(|entry| entry.expect("an entry").path());

@@ -1,4 +1,4 @@
-//! Relative links and anchors of the documents exist.
+//! Checks that relative links and anchors in the documents exist.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -24,7 +24,7 @@ fn prose(text: &str) -> String {
     parts.collect::<Vec<_>>().join("\n")
 }
 
-/// The anchors of the headings, as GitHub makes them.
+/// The anchors of the headings, as on GitHub.
 fn anchors(text: &str) -> BTreeSet<String> {
     let mut counts = BTreeMap::new();
     let headings = prose(text);
@@ -44,11 +44,11 @@ fn anchors(text: &str) -> BTreeSet<String> {
     numbered.collect()
 }
 
-/// The targets of links and pictures outside of code.
+/// The targets of links and pictures outside code.
 fn targets(text: &str) -> Vec<String> {
     let mut targets = Vec::new();
     for paragraph in prose(text).split("\n\n") {
-        // Every second part is inline code, so the others are text.
+        // Every second part is inline code. The others are text.
         let paragraph: String = paragraph.split('`').step_by(2).collect();
         for (start, end) in [("](", ')'), ("src=\"", '"'), ("href=\"", '"')] {
             let found = paragraph.split(start).skip(1).filter_map(|rest| rest.split_once(end));
@@ -58,7 +58,7 @@ fn targets(text: &str) -> Vec<String> {
     targets
 }
 
-/// Whether a link of `document` leads to a file or to a heading.
+/// Whether a link in `document` leads to an existing file or heading.
 fn leads_somewhere(document: &Path, target: &str) -> bool {
     if target.contains("://") || target.starts_with("mailto:") {
         return true;
@@ -95,7 +95,7 @@ fn relative_links_and_anchors_lead_somewhere() {
 }
 
 #[test]
-fn a_link_to_nothing_is_noticed() {
+fn a_broken_link_is_noticed() {
     let folder = tempfile::tempdir().expect("a folder");
     let page = folder.path().join("page.md");
     let text = "# A page\n\n## Table or closed form?\n\n## `a` b_c\n\n## `a` b_c\n\n[`x`](page.md#a-b_c-1) ![](x.png) `[](y)`\n";

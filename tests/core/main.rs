@@ -1,4 +1,4 @@
-//! Tests that compute rather than wait: tables, mutated inputs, and checks of the sources.
+//! Tests that compute without waiting: tables, mutated inputs, and checks of the sources.
 
 mod circles;
 #[path = "../common/mod.rs"]

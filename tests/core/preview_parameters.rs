@@ -1,4 +1,4 @@
-//! docs/preview.md and openapi.yaml agree with the declared parameters of a preview.
+//! Checks that docs/preview.md and openapi.yaml agree with the declared parameters of a preview.
 //!
 //! `UPDATE_GOLDEN=preview_parameters cargo test --test core preview_parameters` updates both passages.
 
@@ -6,7 +6,7 @@ use std::{env, fs, path::Path};
 
 use ltcforge::view::preview::{NamedScene, PARAMETERS, Parameter, ParameterForm, Scene};
 
-/// Compares the lines of `file` between `begin` and `end` with `expected`, or replaces them.
+/// Compares the lines of `file` between `begin` and `end` with `expected`. With `UPDATE_GOLDEN`, replaces them.
 fn assert_passage(file: &str, [begin, end]: [&str; 2], expected: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
     let text = fs::read_to_string(&path).expect(file);
@@ -27,7 +27,7 @@ fn default(parameter: &Parameter) -> String {
     parameter.text(&Scene::default())
 }
 
-/// The row of a named scene: the parameters that differ from scene `sphere`.
+/// The table row of a named scene: the parameters that differ from scene `sphere`.
 fn differences(named: NamedScene) -> String {
     let scene = named.scene();
     let differ = PARAMETERS.iter().filter(|parameter| parameter.text(&scene) != default(parameter));
@@ -44,7 +44,7 @@ fn the_docs_name_every_parameter() {
         assert!(page.contains(&format!("`{name}`")), "{FILE} does not name {name}");
     }
     let scenes = NamedScene::ALL.iter().copied().filter(|named| *named != NamedScene::Sphere);
-    // Scenes that differ in the number of materials cannot be described by parameters.
+    // Parameters cannot describe scenes that differ in the number of materials.
     let scenes = scenes.filter(|named| named.scene().materials.len() == 1);
     let rows: String = scenes.map(differences).collect();
     assert_passage(FILE, ["| scene | differs in |\n|---|---|\n", "\n`figure14`"], &rows);
@@ -80,6 +80,6 @@ fn entry(parameter: &Parameter) -> String {
 #[test]
 fn openapi_lists_every_parameter() {
     let entries: String = PARAMETERS.iter().map(entry).collect();
-    // The passage begins after the command.
+    // The passage starts after the command.
     assert_passage("openapi.yaml", ["preview_parameters`.\n", "        - *if_none_match\n"], &entries);
 }

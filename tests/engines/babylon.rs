@@ -1,10 +1,10 @@
-//! `examples/babylon`: a plugin for materials of Babylon.js, compared with the truth.
+//! Compares `examples/babylon`, a plugin for Babylon.js materials, with the truth.
 
 use super::examples::{hold_errors, package};
 
-/// Upper bounds of the example's errors, under one light of radiance 2 and under four, one of them on the floor. The
-/// errors are 0.00030, 0.00028 and 0.00009 under one; 0.00056, 0.00040 and 0.00017 under four, where Babylon has 0.063
-/// and 0.090.
+/// Upper bounds of the example's errors, under one light of radiance 2, and under four lights, with one of them on the
+/// floor. The measured errors are 0.00030, 0.00028 and 0.00009 under one, and 0.00056, 0.00040 and 0.00017 under four.
+/// Babylon itself has 0.063 and 0.090.
 const EXAMPLE_ERRORS: [(&str, [f64; 2]); 3] =
     [("fast", [0.0005, 0.0009]), ("balanced", [0.0004, 0.0007]), ("fine", [0.00025, 0.00045])];
 
@@ -30,7 +30,7 @@ const REFUSALS: [(&str, &str); 10] = [
 
 #[test]
 #[ignore = "make test-all runs it"]
-fn the_package_patches_materials_of_babylon_and_takes_the_patch_off() {
+fn the_package_patches_materials_of_babylon_and_removes_the_patch() {
     let Some(report) = package("babylon", &REFUSALS) else { return };
     report.same_as_ours(&[
         "patched again",
@@ -47,7 +47,7 @@ fn the_package_patches_materials_of_babylon_and_takes_the_patch_off() {
     let [ours, stock] =
         ["light with a picture", "stock, light with a picture"].map(|name| report.from_stock[name].mean);
     assert!(ours.to_bits() == stock.to_bits() && stock > 0.001, "{ours} {stock}");
-    // Rounding of a mirrored scene may move an edge.
+    // In a mirrored scene, rounding can move an edge.
     assert!(report.from_ours["left-handed"].mean < 1e-5, "{:?}", report.from_ours);
     report.differ_from_ours(&[("stock", 0.01), ("elsewhere", 0.01), ("another rule", 0.0001)]);
 }

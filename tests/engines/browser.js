@@ -1,4 +1,4 @@
-// A browser that needs no GPU and no display, and pages whose errors are printed.
+// Starts a browser without GPU and display, and prints the errors of pages.
 
 import { chromium } from 'playwright-core';
 

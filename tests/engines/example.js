@@ -1,5 +1,5 @@
-// Opens examples. Prints as JSON, by engine and number of lights, the mean errors on their pages and the errors of the
-// browser.
+// Opens the examples. For each engine and number of lights, prints the mean errors on the page and the errors of the
+// browser, as JSON.
 //
 //   node example.js --ltcforge PROGRAM --chromium PROGRAM [--engines three,babylon,playcanvas] [--lights 1,4] [--size WIDTHxHEIGHT] [--picture FILE]
 //
@@ -23,7 +23,7 @@ const engines = values.engines.split( ',' );
 const folders = { '/': at( '../../examples/' ) };
 for ( const engine of engines ) folders[ `/${ engine }/node_modules/` ] = at( 'node_modules/' );
 
-// All engines use the same truth.
+// All engines are compared with the same truth.
 const truths = new Map();
 const answers = { '/truth': ( query ) => {
 

@@ -1,14 +1,14 @@
-//! Pages, packages and shaders of the examples, for the tests of each.
+//! Pages, packages and shaders of the examples, for the tests of all engines.
 
 use std::sync::{LazyLock, OnceLock};
 
 use super::*;
 
-/// A page in the output of `example.js`.
+/// A page, as `example.js` reports it.
 #[derive(Deserialize)]
 struct Example {
-    /// The mean errors of pictures by the `stock` engine, by a `table` and by the rules of `normals`, in linear
-    /// radiance.
+    /// The mean errors of the pictures, in linear radiance: by the `stock` engine, by a `table`, and by each rule of
+    /// `normals`.
     errors: BTreeMap<String, f64>,
     /// The browser's warnings and errors.
     faults: Vec<String>,
@@ -17,8 +17,8 @@ struct Example {
 /// The examples by engine and number of lights.
 type Examples = BTreeMap<String, BTreeMap<String, Example>>;
 
-/// Checks the errors on an example's page, under one light and under four, against upper bounds. `None` without a
-/// browser. All engines are drawn in one run, because they need the same truth.
+/// Checks the errors on an example's page against upper bounds, under one light and under four. `None` without a
+/// browser. One run draws all engines, because they share the truth.
 pub(crate) fn hold_errors(engine: &str, greatest: &[(&str, [f64; 2])]) -> Option<&'static BTreeMap<String, f64>> {
     static EXAMPLES: OnceLock<Option<Examples>> = OnceLock::new();
     let examples = EXAMPLES.get_or_init(|| script("example.js", &[])).as_ref()?;
@@ -30,13 +30,13 @@ pub(crate) fn hold_errors(engine: &str, greatest: &[(&str, [f64; 2])]) -> Option
             let error = errors.get(*way).unwrap_or_else(|| panic!("{way}: {errors:?}"));
             assert!(*error < most[index], "{way}, {lights} lights: {errors:?}");
         }
-        // The examples show anisotropy, which stock engines lack.
+        // The examples show anisotropy, which stock engines do not support.
         assert!(errors["stock"] > 100.0 * errors["fast"], "{lights} lights: {errors:?}");
     }
     Some(&examples[engine]["1"].errors)
 }
 
-/// The difference of two pictures.
+/// The difference between two pictures.
 #[derive(Debug, Deserialize)]
 pub(crate) struct Apart {
     pub(crate) most: f64,
@@ -46,18 +46,18 @@ pub(crate) struct Apart {
 /// The output of `package.js`.
 #[derive(Deserialize)]
 pub(crate) struct Package {
-    /// The difference of each picture from `ours`, a picture of a patched material.
+    /// The difference between each picture and `ours`, a picture of a patched material.
     #[serde(rename = "fromOurs")]
     pub(crate) from_ours: BTreeMap<String, Apart>,
-    /// The difference of each picture from the picture by the stock engine.
+    /// The difference between each picture and the picture of the stock engine.
     #[serde(rename = "fromStock")]
     pub(crate) from_stock: BTreeMap<String, Apart>,
-    /// Error messages; `None` if there was no error.
+    /// Error messages. `None` if there was no error.
     refusals: BTreeMap<String, Option<String>>,
     /// The difference between a coat and white metal, with and without clusters.
     #[serde(default)]
     pub(crate) coats: Vec<f64>,
-    /// Whether a refused material has none of our chunks.
+    /// Whether a rejected material has none of our chunks.
     #[serde(default, rename = "leavesRefused")]
     pub(crate) leaves_refused: bool,
     /// Whether a user's own chunk is kept.
@@ -76,14 +76,14 @@ impl Package {
         }
     }
 
-    /// Checks that these pictures are identical to the stock engine's.
+    /// Checks that these pictures are identical to those of the stock engine.
     pub(crate) fn same_as_stock(&self, names: &[&str]) {
         for name in names {
             assert!(self.from_stock[*name].most == 0.0, "{name}: {:?}", self.from_stock);
         }
     }
 
-    /// Checks that these pictures differ from `ours` by at least this much, so that the check of the others can fail.
+    /// Checks that these pictures differ from `ours` by at least this much. Otherwise the other checks could not fail.
     pub(crate) fn differ_from_ours(&self, names: &[(&str, f64)]) {
         for (name, least) in names {
             assert!(self.from_ours[*name].mean > *least, "{name}: {:?}", self.from_ours);
@@ -91,7 +91,7 @@ impl Package {
     }
 }
 
-/// The report of an example's package as npm packs it. Checks `refusals` and the page of the README. `None` if it
+/// The report of an example's package, packed with npm. Checks `refusals` and the page of the README. `None` if it
 /// cannot run.
 pub(crate) fn package(engine: &str, refusals: &[(&str, &str)]) -> Option<Package> {
     let folder = tempfile::tempdir().expect("a folder");
@@ -114,7 +114,8 @@ fn example(engine: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(engine)
 }
 
-/// Packs the files of an example with npm into a folder, and checks that `more` are among them. `None` without npm.
+/// Packs the files of an example with npm into a folder, and checks that the package has the files `more`. `None`
+/// without npm.
 pub(crate) fn packed(engine: &str, folder: &Path, more: &[&str]) -> Option<PathBuf> {
     if !starts("npm") {
         tell_skipped("npm is missing (Debian: npm)");
@@ -132,7 +133,7 @@ pub(crate) fn packed(engine: &str, folder: &Path, more: &[&str]) -> Option<PathB
         serde_json::from_slice::<serde_json::Value>(&output.stdout).expect("JSON")
     };
     let report = pack(&["--dry-run"]);
-    // npm 12 prints an object by package instead of a list.
+    // npm 12 prints an object with an entry per package instead of a list.
     let report = report.get(0).or_else(|| report.get(format!("ltcforge-{engine}"))).expect("a package");
     assert_eq!(report["version"], env!("CARGO_PKG_VERSION"));
     let files: BTreeSet<&str> =
@@ -155,7 +156,7 @@ pub(crate) fn packed(engine: &str, folder: &Path, more: &[&str]) -> Option<PathB
 pub(crate) const RULES_GLSL: [&str; 3] =
     ["shaders/normals_fast.glsl.js", "shaders/normals_balanced.glsl.js", "shaders/normals_fine.glsl.js"];
 
-/// Writes the shaders of all examples by their own build step. Later calls do nothing.
+/// Writes the shaders of all examples with their own build step. Later calls do nothing.
 pub(crate) fn build_shaders() {
     static BUILT: LazyLock<()> = LazyLock::new(|| {
         for engine in ["three", "babylon", "playcanvas"] {

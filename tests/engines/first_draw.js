@@ -1,10 +1,10 @@
-// The time of an engine's first draw, which compiles its shader, by ways of lighting and numbers of lights. Prints rows
-// of a table for docs/engines.md: medians, in milliseconds and relative to the stock engine.
+// Measures an engine's first draw, which compiles its shader, for ways of lighting and numbers of lights. Prints table
+// rows for docs/engines.md: medians, in milliseconds and relative to the stock engine.
 //
 //   node first_draw.js [--engine three] [--chromium PROGRAM] [--runs 3] [--lights 1,2,4,8] [--ways stock,fast,balanced,fine] [--clearcoat] [--unclustered]
 //
-// Run `npm run build` in the folder of the example first. three.js also has --ways table and --clearcoat, and
-// PlayCanvas --unclustered. Each run starts its own browser, without a cache of shaders.
+// Run `npm run build` in the folder of the example first. Additional options are --ways table and --clearcoat for
+// three.js, and --unclustered for PlayCanvas. Each run starts its own browser, without a shader cache.
 
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
@@ -21,7 +21,7 @@ const { values } = parseArgs( { options: {
 	clearcoat: { type: 'boolean' }, unclustered: { type: 'boolean' },
 } } );
 
-// Switches off Mesa's cache. The flag below switches off Chromium's cache.
+// This switches off Mesa's cache. The flag below switches off Chromium's cache.
 process.env.MESA_SHADER_CACHE_DISABLE = 'true';
 const FLAGS = [ '--disable-gpu-program-cache', '--disable-gpu-shader-disk-cache' ];
 

@@ -1,7 +1,7 @@
-//! Area lights in real engines, drawn in a browser and compared with the truth.
+//! Draws area lights with real engines in a browser, and compares them with the truth.
 //!
-//! `node` runs the engines in Chromium, see `run.js` and `example.js`. The tests here check their errors. `make test`
-//! installs Node.js, the engines and the browser. Without them the tests report that they are skipped.
+//! `node` runs the engines in Chromium: see `run.js` and `example.js`. The tests here check the errors. `make test`
+//! installs Node.js, the engines and the browser. Without them, the tests report that they are skipped.
 //! `UPDATE_GOLDEN=three cargo test --test engines -- --ignored` updates `examples/three/table`. `UPDATE_PICTURES=1
 //! cargo test --test engines -- --ignored` writes the pictures in `docs/engines/`.
 
@@ -36,7 +36,7 @@ fn here() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/engines")
 }
 
-/// The JSON output of a script in this folder that needs a browser; `None` if it cannot run.
+/// The JSON output of a script in this folder that needs a browser. `None` if it cannot run.
 fn script<T: DeserializeOwned>(file: &str, args: &[&str]) -> Option<T> {
     if starts("node") {
         examples::build_shaders();
@@ -44,23 +44,23 @@ fn script<T: DeserializeOwned>(file: &str, args: &[&str]) -> Option<T> {
     browser::script(&here(), file, args)
 }
 
-/// The JSON output of a script in this folder that needs no browser; `None` if it cannot run.
+/// The JSON output of a script in this folder that needs no browser. `None` if it cannot run.
 fn node<T: DeserializeOwned>(file: &str, args: &[&str]) -> Option<T> {
     browser::node(&here(), file, args)
 }
 
-/// Prints past the harness, which would capture a print.
+/// Prints directly to standard error, because the harness would capture a print.
 fn print(text: &impl fmt::Display) {
-    // A failed print does not fail the test.
+    // A failed print should not fail the test.
     let _ = stderr().write_all(format!("\n{text}\n").as_bytes());
 }
 
-/// The output of `run.js`. The sets of tables are `stock`; `again`, the stock numbers loaded like other tables;
-/// `wrong`; `ours`; `both`, our tables for metal and for plastic; and in three.js `mixed`, both in the shader of one
-/// material.
+/// The output of `run.js`. The sets of tables are: `stock`; `again`, the stock numbers loaded like other tables;
+/// `wrong`; `ours`; `both`, our tables for metal and for plastic; and in three.js `mixed`, both sets in the shader of
+/// one material.
 #[derive(Deserialize)]
 struct Report {
-    /// The mean absolute error of each picture in linear radiance, by engine and set of tables.
+    /// The mean absolute error of each picture, in linear radiance, by engine and set of tables.
     errors: BTreeMap<String, BTreeMap<String, Vec<f64>>>,
     /// Whether the pictures of `again` and `stock` are identical, by engine.
     same: BTreeMap<String, bool>,
@@ -116,37 +116,37 @@ impl fmt::Display for Report {
     }
 }
 
-/// Upper bounds of the mean errors of the published tables in this scene, in every engine. The errors are 0.0066 and
-/// 0.0015. They come from the fit and from the horizon clipping of engines. A wrong scene, unit or Fresnel number has
-/// far larger errors.
+/// Upper bounds of the mean errors of the published tables in this scene, for every engine. The measured errors are
+/// 0.0066 and 0.0015. They come from the fit and from the horizon clipping of engines. A wrong scene, unit or Fresnel
+/// number would have far larger errors.
 const STOCK_ERROR: [f64; 2] = [0.0075, 0.0018];
 
-/// Upper bound of our mean error on black plastic. The error is 0.0025, and stock tables have 0.0015. Our tables are
-/// fitted to the lobe of white metal. The Fresnel factor bends the lobe of plastic towards the surface, where the lobes
-/// of stock tables happen to be.
+/// Upper bound of our mean error on black plastic. The measured error is 0.0025, and stock tables have 0.0015. Our
+/// tables are fitted to the lobe of white metal. The Fresnel factor bends the lobe of plastic towards the surface,
+/// where the lobes of stock tables happen to be.
 const OUR_PLASTIC_ERROR: f64 = 0.0028;
 
-/// Upper bounds of the sizes in `docs/layouts.md`: 2,655 bytes for a table of engines, and 14,105 for the default
-/// table.
+/// Upper bounds of the sizes in `docs/layouts.md`: 2,655 bytes for a table for engines, and 14,105 bytes for the
+/// default table.
 const ENGINES_COMPACT_BYTES: u64 = 3_000;
 const DEFAULT_COMPACT_BYTES: u64 = 16_000;
 
-/// Reflectance of dark metal, which is only drawn at the lowest view.
+/// Reflectance of dark metal. It is only drawn at the lowest view.
 const DARK_METAL: f64 = 0.25;
 
-/// Upper bound of the mean error on black plastic with a set of tables for dielectrics. The errors are 0.00084 to
-/// 0.00087.
+/// Upper bound of the mean error on black plastic with a set of tables for dielectrics. The measured errors are 0.00084
+/// to 0.00087.
 const OWN_PLASTIC_ERROR: f64 = 0.00095;
 
-/// Upper bound of the relative change of the error on metal by a set for dielectrics. A shader that mixes both sets
-/// changes it by 7e-9, by rounding.
+/// Upper bound of the relative change of the error on metal by a set for dielectrics. In a shader that mixes both sets,
+/// rounding changes it by 7e-9.
 const METAL_DIFFERS: f64 = 1e-6;
 
-/// Upper bound of the relative difference between engines, which is 0.3 % and 1.3 %. They have different number formats
-/// and clamp roughness differently.
+/// Upper bound of the relative difference between engines. The measured differences are 0.3 % and 1.3 %. The engines
+/// have different number formats and clamp roughness differently.
 const ENGINES_DIFFER: f64 = 0.03;
 
-/// The length of a table's compact form. Checks that its mean error is at most 1 % above the table's.
+/// The length of a table's compact form. Checks that its mean error is at most 1 % above that of the table.
 fn compact_bytes(folder: &Path, digest: &str) -> u64 {
     let output = run(folder, ["export", digest, "--container", "compact", "-o", "compact", "--json"]).exited(0);
     let output: serde_json::Value = serde_json::from_str(&output.stdout).expect("JSON");
@@ -155,7 +155,7 @@ fn compact_bytes(folder: &Path, digest: &str) -> u64 {
     fs::metadata(folder.join("compact/ltc.compact")).expect("the compact form").len()
 }
 
-/// Fits a table and exports the files of these engines as a user does, each into a folder with the engine's name.
+/// Fits a table and exports the files for these engines as a user does, each into a folder named after the engine.
 fn our_exports(folder: &Path) -> String {
     let digest = exported(folder, "", &["three", "babylon", "playcanvas"]);
     let bytes = compact_bytes(folder, &digest);
@@ -163,8 +163,8 @@ fn our_exports(folder: &Path) -> String {
     folder.to_string_lossy().into_owned()
 }
 
-/// Fits a table for engines with more `fields` in its recipe, and exports it into folders with the engines' names.
-/// Returns the digest.
+/// Fits a table for engines, with the additional recipe fields `fields`, and exports it into folders named after the
+/// engines. Returns the digest.
 fn exported(folder: &Path, fields: &str, engines: &[&str]) -> String {
     fs::create_dir_all(folder).expect("a folder");
     let recipe = format!(r#"{{"preset": "standard", "layout": "ltc2017"{fields}}}"#);
@@ -178,9 +178,9 @@ fn exported(folder: &Path, fields: &str, engines: &[&str]) -> String {
 
 #[test]
 #[ignore = "make test-all runs it"]
-fn engines_draw_what_their_tables_say() {
+fn engines_draw_the_light_of_their_tables() {
     let folder = tempfile::tempdir().expect("a folder");
-    // The variable names a file for `tables.js` with other tables to check.
+    // The variable can name a file for `tables.js`, with other tables to check.
     let ours = match env::var("LTCFORGE_TEST_TABLES") {
         Ok(file) => ["--tables".to_owned(), file],
         Err(_) => ["--exports".to_owned(), our_exports(folder.path())],
@@ -208,7 +208,7 @@ fn engines_draw_what_their_tables_say() {
         for material in 0..2 {
             assert!(stock[material] < STOCK_ERROR[material], "{engine}: {stock:?}");
             assert!((stock[material] / first[material] - 1.0).abs() < ENGINES_DIFFER, "{engine}: {stock:?}, {first:?}");
-            assert!(wrong[material] > 3.0 * stock[material], "{engine}: wrong tables pass: {wrong:?}, {stock:?}");
+            assert!(wrong[material] > 3.0 * stock[material], "{engine}: wrong tables look right: {wrong:?}, {stock:?}");
         }
         let ours = report.by_material(engine, "ours");
         assert!(ours[0] < stock[0] && ours[1] < OUR_PLASTIC_ERROR, "{engine}: {ours:?}, {stock:?}");
@@ -237,7 +237,7 @@ struct Ktx {
     scheme: u32,
     stored: usize,
     length: usize,
-    /// SHA-256 of the texels without zstd.
+    /// SHA-256 of the decompressed texels.
     digest: String,
     keys: Vec<String>,
     bits: Vec<u32>,
@@ -251,7 +251,7 @@ fn ktx_parse_reads_our_textures() {
     fs::write(folder.path().join("recipe.json"), recipe).expect("a recipe");
     let fitted = run(folder.path(), ["fit", "recipe.json", "-o", "."]).exited(0);
     let digest = fitted.last_line();
-    // A texel has four numbers. An array has the layers of three textures.
+    // A texel has four numbers. An array has the layers of all three textures.
     let (texels, array) = (5 * 6 * 4, 3 * 5 * 6 * 4);
     let (single, half) = ((109, 4, vec![32; 4]), (97, 2, vec![16; 4]));
     let cases = [
@@ -284,7 +284,7 @@ fn ktx_parse_reads_our_textures() {
     }
 }
 
-/// Texels of 16 bits and with a shared exponent, which the loader of three.js accepts.
+/// Texels of 16 bits, and texels with a shared exponent. The loader of three.js accepts both.
 #[test]
 fn ktx_parse_reads_light_textures() {
     let folder = tempfile::tempdir().expect("a folder");

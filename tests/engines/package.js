@@ -1,5 +1,5 @@
-// Tests the package of an example, as npm packs it, in a browser: its effect on materials of the engine, and the page
-// of its README. Prints one JSON document.
+// Tests the packed npm package of an example in a browser: its effect on materials of the engine, and the page of its
+// README. Prints one JSON document.
 //
 //   node package.js --ltcforge PROGRAM --chromium PROGRAM --engine babylon --package FOLDER [--picture FILE]
 
@@ -21,7 +21,7 @@ const server = await serve( {
 }, { '/readme.html': () => pageOfReadme( values.package ) } );
 const address = `http://127.0.0.1:${ server.address().port }`;
 
-/** The greatest and the mean difference of two pictures. */
+/** The largest and the mean difference between two pictures. */
 function apart( one, other ) {
 
 	const differences = one.map( ( value, i ) => Math.abs( value - other[ i ] ) );

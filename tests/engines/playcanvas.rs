@@ -1,10 +1,10 @@
-//! `examples/playcanvas`: shader chunks for materials of `PlayCanvas`, compared with the truth.
+//! Compares `examples/playcanvas`, shader chunks for `PlayCanvas` materials, with the truth.
 
 use super::examples::{hold_errors, package};
 
-/// Upper bounds of the example's errors, under one light of radiance 2 and under four, one of them on the floor. The
-/// errors are 0.00030, 0.00028 and 0.00008 under one; 0.00056, 0.00040 and 0.00017 under four, where `PlayCanvas` has
-/// 0.067 and 0.101.
+/// Upper bounds of the example's errors, under one light of radiance 2, and under four lights, with one of them on the
+/// floor. The measured errors are 0.00030, 0.00028 and 0.00008 under one, and 0.00056, 0.00040 and 0.00017 under four.
+/// `PlayCanvas` itself has 0.067 and 0.101.
 const EXAMPLE_ERRORS: [(&str, [f64; 2]); 3] =
     [("fast", [0.0005, 0.0009]), ("balanced", [0.0004, 0.0007]), ("fine", [0.00025, 0.00045])];
 
@@ -26,16 +26,17 @@ const REFUSALS: [(&str, &str); 8] = [
     ("version", "this patch is for 2.23"),
 ];
 
-/// Upper bound of the difference between clustered and other lights, which is 0.00002: clustered lights have colours in
-/// 16 bits.
+/// Upper bound of the difference between clustered and other lights. The measured difference is 0.00002: clustered
+/// lights have colours in 16 bits.
 const WAYS_DIFFER: f64 = 0.0001;
 
-/// Upper bound of the difference between a coat and white metal in a pixel, which is 0.0000001 by rounding.
+/// Upper bound of the difference between a coat and white metal in a pixel. The measured difference is 0.0000001, from
+/// rounding.
 const COAT_DIFFERS: f64 = 0.000_005;
 
 #[test]
 #[ignore = "make test-all runs it"]
-fn the_package_patches_materials_of_playcanvas_and_takes_the_patch_off() {
+fn the_package_patches_materials_of_playcanvas_and_removes_the_patch() {
     let Some(report) = package("playcanvas", &REFUSALS) else { return };
     report.same_as_ours(&["patched again", "clone", "clone of the clone", "patched after a draw", "moved"]);
     report.same_as_stock(&["patch taken off", "clone of the undone", "undone clone", "before the patch", "undone"]);

@@ -1,4 +1,4 @@
-// The page from a package's README.
+// Opens the page in a package's README.
 
 import { readFile } from 'node:fs/promises';
 import { join } from 'node:path';

@@ -1,14 +1,14 @@
-// Area lights in real engines, compared with the truth. Prints one JSON document.
+// Draws area lights with real engines, and compares them with the truth. Prints one JSON document.
 //
 //   node run.js --ltcforge PROGRAM --chromium PROGRAM [--exports FOLDER [--dielectric FOLDER] | --tables FILE] [--only ENGINE] [--pictures FOLDER]
 //
-// Every engine draws every view at every roughness with the stock tables, with the stock numbers loaded like other
-// tables, with wrong tables, and with ours: the files of `ltcforge export --for ENGINE -o FOLDER/ENGINE`, or of FILE.
-// With --dielectric every engine also draws with two sets: the set of --exports for metal and this set for plastic.
-// Materials have their own textures, and in three.js one material also mixes both by metalness. An error is the mean
-// absolute difference of linear radiance.
+// Every engine draws every view at every roughness, with four sets of tables: the stock tables, the stock numbers
+// loaded like other tables, wrong tables, and ours. Our tables are the files of `ltcforge export --for ENGINE -o
+// FOLDER/ENGINE`, or of FILE. With --dielectric, every engine also draws with two sets: the set of --exports for metal,
+// and this set for plastic. Each material has its own textures, and in three.js one material also mixes both by
+// metalness. An error is the mean absolute difference in linear radiance.
 //
-// With --pictures it draws fewer and larger pictures instead, and writes an ENGINE.png for each engine: stock, ours,
+// With --pictures, it draws fewer and larger pictures instead, and writes ENGINE.png for each engine: stock, ours,
 // truth, and both errors.
 
 import { readFile, writeFile } from 'node:fs/promises';
@@ -158,7 +158,7 @@ if ( values.dielectric ) folders[ '/tables/dielectric/' ] = values.dielectric;
 const server = await serve( folders, answers );
 const address = `http://127.0.0.1:${ server.address().port }`;
 
-// three.js has one picture for both renderers.
+// Both renderers of three.js share a picture.
 const engines = values.pictures ? new Set( Object.values( ENGINES ) ) : Object.keys( ENGINES );
 
 const names = values.exports ? [ ...Object.keys( sets ), 'ours' ] : Object.keys( sets );
@@ -184,7 +184,7 @@ try {
 
 		for ( const engine of values.only ? [ values.only ] : engines ) {
 
-			// Only three.js has its tables in its package.
+			// Only the package of three.js contains its tables.
 			const isThree = ENGINES[ engine ] === 'three';
 			const all = { stock: await drawn( browser, engine, isThree ? null : 'again' ) };
 			for ( const set of names ) all[ set ] = await drawn( browser, engine, set );

@@ -1,6 +1,6 @@
-// Tables in the convention of 2017: 64 x 64 texels of four numbers, with the roughness along rows and sqrt(1 - cos
-// theta) along columns. First (Minv00, Minv20, Minv02, Minv22) over Minv11, then amplitude, Fresnel, 0 and the form
-// factor of a clipped sphere.
+// Tables in the convention of 2017: 64 x 64 texels of four numbers, with roughness along rows and sqrt(1 - cos theta)
+// along columns. The first texture has (Minv00, Minv20, Minv02, Minv22) divided by Minv11. The second has amplitude,
+// Fresnel, 0, and the form factor of a clipped sphere.
 
 import { readFile } from 'node:fs/promises';
 

@@ -1,4 +1,4 @@
-// Pictures on a light by examples/three, compared with `ltcforge light --texture` for the same pixels. Prints one JSON
+// Compares pictures on a light in examples/three with `ltcforge light --texture` for the same pixels. Prints one JSON
 // document: differences of colours, errors for invalid inputs, and whether the example's page changes over time.
 //
 //   node textured.js --ltcforge PROGRAM --chromium PROGRAM
@@ -64,7 +64,7 @@ async function moves( browser, address, faults ) {
 	for ( const what of [ 'picture', 'video' ] ) {
 
 		await page.selectOption( '#show', what );
-		// The change needs some frames until it is drawn.
+		// The change needs a few frames until it is visible.
 		const frames = ( count ) => page.evaluate( ( left ) => new Promise( ( done ) => {
 
 			const next = () => left -- > 0 ? requestAnimationFrame( next ) : done();

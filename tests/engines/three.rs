@@ -1,13 +1,13 @@
-//! `examples/three`: a package that patches materials of three.js, compared with the truth.
+//! Compares `examples/three`, a package that patches three.js materials, with the truth.
 
 use super::{
     examples::{Apart, RULES_GLSL, hold_errors, packed},
     *,
 };
 
-/// Upper bounds of the example's errors, under one light of radiance 2 and under four, one of them on the floor. The
-/// errors are 0.00030, 0.00028, 0.00009 and 0.0094 under one, and 0.00056, 0.00040, 0.00017 and 0.0167 under four. LTCs
-/// only approximate GGX.
+/// Upper bounds of the example's errors, under one light of radiance 2, and under four lights, with one of them on the
+/// floor. The measured errors are 0.00030, 0.00028, 0.00009 and 0.0094 under one, and 0.00056, 0.00040, 0.00017 and
+/// 0.0167 under four. The last is that of the table, because LTCs only approximate GGX.
 const EXAMPLE_ERRORS: [(&str, [f64; 2]); 4] =
     [("fast", [0.0005, 0.0009]), ("balanced", [0.0004, 0.0007]), ("fine", [0.00015, 0.0003]), ("table", [0.011, 0.02])];
 
@@ -21,15 +21,15 @@ fn the_example_is_nearer_to_the_truth_than_three() {
 /// The output of `patch.js`.
 #[derive(Deserialize)]
 struct Patch {
-    /// The errors of pictures of clearcoat on metal, in linear radiance.
+    /// The errors for clearcoat on metal, in linear radiance.
     errors: BTreeMap<String, f64>,
-    /// The least and greatest ratio to the picture `ours`.
+    /// The least and the largest ratio to the picture `ours`.
     brightness: BTreeMap<String, [f64; 2]>,
     /// The pictures that are identical to `ours`.
     same: Vec<String>,
-    /// Whether the picture of a material without its patch is identical to three's.
+    /// Whether a material without its patch gives the same picture as three.js.
     undone: bool,
-    /// Error messages; `None` if there was no error.
+    /// Error messages. `None` if there was no error.
     refusals: BTreeMap<String, Option<String>>,
     #[serde(rename = "keysDiffer")]
     keys_differ: bool,
@@ -54,10 +54,10 @@ const REFUSALS: [(&str, &str); 10] = [
     ("version", "this patch is for r187"),
 ];
 
-/// Upper bound of the errors of clearcoat on metal. The error is 0.0001, and three has 0.0065.
+/// Upper bound of the errors for clearcoat on metal. The measured error is 0.0001, and three.js has 0.0065.
 const CLEARCOAT_ERROR: f64 = 0.0002;
 
-/// Shaders of the package other than [`RULES_GLSL`].
+/// The shaders in the package besides [`RULES_GLSL`].
 const MORE_SHADERS: [&str; 6] = [
     "shaders/normals_fast.wgsl.js",
     "shaders/normals_balanced.wgsl.js",
@@ -98,7 +98,7 @@ fn the_package_patches_materials_and_keeps_the_hooks_of_users() {
 #[derive(Deserialize)]
 struct Textured {
     /// The difference from `ltcforge light --texture`, by the content of the light. `white`, `second` and `layer` are
-    /// compared with lights without a picture, and `stream` with the canvas in a video.
+    /// compared with lights without a picture, and `stream` with the canvas that is in the video.
     errors: BTreeMap<String, Apart>,
     /// The difference between a picture and one colour, and between a video and its start.
     changes: BTreeMap<String, Apart>,
@@ -108,11 +108,13 @@ struct Textured {
     faults: Vec<String>,
 }
 
-/// Upper bounds of the errors of a picture, in linear radiance under a light of up to 2. The errors are 0.00007 and
-/// 0.0043, and for one colour 0.00011 and 0.0011. They come from texels of 16 bits and the rule of rectangles in f32.
+/// Upper bounds of the errors of a picture, in linear radiance under a light of up to 2. The measured errors are
+/// 0.00007 and 0.0043, and for one colour 0.00011 and 0.0011. They come from 16-bit texels and from the rectangle
+/// integral in f32.
 const PICTURE_ERROR: Apart = Apart { mean: 0.0002, most: 2.0 / 255.0 };
 
-/// Upper bounds of the errors of a stream, which are 0.00025 and 0.0077. Browsers encode its colours with fewer bits.
+/// Upper bounds of the errors of a stream. The measured errors are 0.00025 and 0.0077. Browsers encode its colours with
+/// fewer bits.
 const STREAM_ERROR: Apart = Apart { mean: 0.0006, most: 0.016 };
 
 const PICTURE_REFUSALS: [(&str, &str); 6] = [
@@ -154,14 +156,15 @@ fn the_example_shows_pictures_and_videos_on_lights() {
 /// The output of `webgpu.js` for a backend of `WebGPURenderer`.
 #[derive(Deserialize)]
 struct Backend {
-    /// The errors as in [`Example`], also of `node` materials, of a `clone` and of a material whose patch was `undone`.
+    /// The errors as in [`Example`]. There are also errors for `node` materials, for a `clone`, and for a material with
+    /// a removed patch, `undone`.
     errors: BTreeMap<String, f64>,
     refusal: Option<String>,
     faults: Vec<String>,
 }
 
-/// Upper bounds of the errors under four lights. The errors are 0.00073, 0.00062 and 0.00050 by WebGPU of
-/// `SwiftShader`, and 0.00056, 0.00042 and 0.00028 by WebGL.
+/// Upper bounds of the errors under four lights. The measured errors are 0.00073, 0.00062 and 0.00050 for WebGPU with
+/// `SwiftShader`, and 0.00056, 0.00042 and 0.00028 for WebGL.
 const WEBGPU_ERRORS: [(&str, f64); 5] =
     [("fast", 0.001), ("balanced", 0.0009), ("fine", 0.0007), ("node", 0.0009), ("clone", 0.0009)];
 
@@ -187,7 +190,7 @@ fn the_example_lights_webgpu_renderer() {
 
 #[test]
 #[ignore = "make test-all runs it"]
-fn the_example_s_table_is_what_the_command_writes_and_ships_in_few_bytes() {
+fn the_table_of_the_example_equals_the_output_of_the_command_and_is_small() {
     let folder = tempfile::tempdir().expect("a folder");
     let fitted = run(folder.path(), ["fit", "standard", "-o", "."]).exited(0);
     run(folder.path(), ["export", fitted.last_line(), "--for", "wgpu", "-o", "table"]).exited(0);

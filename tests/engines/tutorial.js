@@ -1,9 +1,9 @@
-// Opens the page of docs/tutorial.md and compares its pixels with the light that `ltcforge light` prints by the same
+// Opens the page of docs/tutorial.md, and compares its pixels with the light that `ltcforge light` prints for the same
 // table.
 //
 //   node tutorial.js --ltcforge PROGRAM --chromium PROGRAM --folder FOLDER [--picture FILE]
 //
-// FOLDER has the page and the files of the tutorial's commands. Prints one JSON document: the differences of the
+// FOLDER contains the page and the files of the tutorial's commands. Prints one JSON document: the differences of the
 // picture's bytes from the light by the table and from the truth, the number of lit pixels, and the errors of the
 // browser.
 
@@ -19,7 +19,7 @@ const { values } = parseArgs( { options: {
 	ltcforge: { type: 'string' }, chromium: { type: 'string' }, folder: { type: 'string' }, picture: { type: 'string' },
 } } );
 
-// The scene of examples/webgl/index.html.
+// The scene in examples/webgl/index.html.
 const WIDTH = 480, HEIGHT = 320;
 const EYE = [ 0, - 3, 1.2 ];
 const ALPHA = [ 0.03, 0.25 ];

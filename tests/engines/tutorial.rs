@@ -1,11 +1,11 @@
-//! `docs/tutorial.md`: its commands run, and its page shows the light that `ltcforge light` prints.
+//! Runs the commands of `docs/tutorial.md`. Its page must show the light that `ltcforge light` prints.
 
 use std::os::unix::fs::symlink;
 
 use super::*;
 use crate::common::documents::{blocks, commands, document, shell};
 
-/// Beginnings of commands that the test does not run: they install the program, or serve the page.
+/// Prefixes of commands that the test does not run: they install the program, or serve the page.
 const EXCEPT: [&str; 2] = ["cargo ", "python3 -m http.server"];
 
 /// The page of the tutorial.
@@ -17,19 +17,19 @@ struct Tutorial {
     /// The number of compared pixels of the floor, and of bright pixels.
     pixels: usize,
     lit: usize,
-    /// The largest difference from the light by the same table, in bytes of sRGB.
+    /// The largest difference from the light by the same table, in sRGB bytes.
     off: f64,
-    /// The mean difference from the truth, in bytes of sRGB.
+    /// The mean difference from the truth, in sRGB bytes.
     #[serde(rename = "fromTruth")]
     from_truth: f64,
-    /// Warnings and errors of the browser.
+    /// Warnings and errors from the browser.
     faults: Vec<String>,
 }
 
-/// Upper bound of the largest difference. Rounding to a byte gives 0.5, and the driver's arithmetic little more.
+/// Upper bound of the largest difference. Rounding to a byte causes 0.5, and the driver's arithmetic a little more.
 const OFF: f64 = 1.0;
 
-/// Upper bound of the mean difference from the truth, which is 3.2.
+/// Upper bound of the mean difference from the truth. The measured difference is 3.2.
 const FROM_TRUTH: f64 = 5.0;
 
 #[test]

@@ -1,6 +1,6 @@
-// WebGPURenderer with the patch of examples/three, by WebGPU and by its fallback to WebGL 2. Prints as JSON the mean
-// errors of linear radiance under `--lights` lights. With `--milliseconds` it prints the times of a first draw instead,
-// as rows of a table.
+// WebGPURenderer with the patch of examples/three, on WebGPU and on its fallback to WebGL 2. Prints the mean errors in
+// linear radiance under `--lights` lights, as JSON. With `--milliseconds`, it instead prints the times of a first draw,
+// as table rows.
 //
 //   node webgpu.js --ltcforge PROGRAM --chromium PROGRAM [--lights 4] [--milliseconds] [--runs 3]
 
@@ -51,7 +51,7 @@ try {
 				const times = [];
 				for ( let run = 0; run < Number( values.runs ); run ++ ) {
 
-					// A single surface, so that only one material is compiled.
+					// Only one surface, so that only one material is compiled.
 					times.push( ( await drawn( { lights, forceWebGL: false, only: 0, ways: [ way ] }, [] ) ).of[ way ].milliseconds );
 
 				}

@@ -1,5 +1,5 @@
-// The scene that every engine draws, and for which the truth is computed. It is right-handed, in metres, and y is up.
-// It has a table in the plane y = 0, which is only glossy, and a rectangle of radiance one.
+// The scene that every engine draws, and for which the truth is computed. It is right-handed, in metres, with y
+// upwards. It has a table in the plane y = 0 with only a glossy material, and a rectangle light of radiance one.
 
 /** Pictures for docs/engines.md are larger and fewer: `run.js --pictures`, or `?scale=4` of a page. */
 const scale = globalThis.location ? Number( new URLSearchParams( location.search ).get( 'scale' ) ) || 1 : process.argv.includes( '--pictures' ) ? 4 : 1;

@@ -1,25 +1,25 @@
-//! The words of an answer that a reader adds itself, without the words that it repeats from the input.
+//! The words that a reader itself adds to an answer. Words repeated from the input are removed.
 
 use std::collections::BTreeSet;
 
 /// The least length of a word. Shorter words are parts of escapes, units or numbers.
 const FEWEST_LETTERS: usize = 3;
 
-/// The number of repeated format words that count. A long name in the input may consist of many format words in any
-/// order.
+/// The largest number of counted format words that repeat the input. A long name in the input can consist of many
+/// format words in any order.
 const MOST_REPEATED: usize = 2;
 
-/// The words of a format, such as names of fields. They are relevant even if an answer repeats them from the input.
+/// The words of a format, such as field names. They count even if an answer repeats them from the input.
 pub(crate) struct Format(BTreeSet<String>);
 
 impl Format {
-    /// The words of these texts.
+    /// The words in these texts.
     pub(crate) fn of<'a>(texts: impl IntoIterator<Item = &'a [u8]>) -> Self {
         let texts = texts.into_iter().map(String::from_utf8_lossy);
         Self(texts.flat_map(|text| words(&text).map(str::to_owned).collect::<Vec<_>>()).collect())
     }
 
-    /// The faults in an answer, which are separated by line breaks or semicolons. Each fault is the list of its words,
+    /// The faults in an answer. They are separated by line breaks or semicolons. Each fault is the list of its words,
     /// without duplicates and quotations.
     pub(crate) fn faults(&self, answer: &str, input: &[u8]) -> BTreeSet<String> {
         let (answer, input) = (unquoted(answer), String::from_utf8_lossy(input));
@@ -38,7 +38,7 @@ impl Format {
     }
 }
 
-/// A text without quotations in «» and, with escapes, in "".
+/// The text without quotations in «», or with escapes in "".
 fn unquoted(text: &str) -> String {
     let (mut kept, mut depth) = (String::new(), 0_usize);
     let mut characters = text.chars();
@@ -63,7 +63,7 @@ fn unquoted(text: &str) -> String {
     kept
 }
 
-/// The words of a text: letters and digits that begin with a letter. Escapes begin with a backslash and do not count.
+/// The words of a text: letters and digits, starting with a letter. Escapes start with a backslash and are skipped.
 fn words(text: &str) -> impl Iterator<Item = &str> {
     let is_of_word = |c: char| c.is_alphanumeric() || c == '_' || c == '\\';
     text.split(move |c| !is_of_word(c))
@@ -81,7 +81,7 @@ fn words(text: &str) -> impl Iterator<Item = &str> {
 }
 
 #[test]
-fn words_that_an_answer_repeats_are_not_part_of_its_faults() {
+fn words_repeated_from_the_input_are_not_part_of_faults() {
     let format = Format::of([b"{\"alpha\": 1}".as_slice()]);
     let faults = |answer, input: &[u8]| format.faults(answer, input).into_iter().collect::<Vec<_>>();
     assert_eq!(

@@ -1,4 +1,4 @@
-//! CSV and manifests of exports, read by the commands.
+//! CSV files and manifests of exports, as commands read them.
 
 use std::{
     fs,
@@ -8,7 +8,7 @@ use std::{
 use super::target::Target;
 use crate::common::command::run;
 
-/// The output of a command for a file of this name: results or a short error, with one of these exit codes.
+/// The output of a command for a file with this name: results or a short error, with one of these exit codes.
 fn answer(args: &[&str], name: &str, bytes: &[u8], codes: &[i32]) -> String {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join(name), bytes).expect("a file");
@@ -24,7 +24,7 @@ fn answer(args: &[&str], name: &str, bytes: &[u8], codes: &[i32]) -> String {
     }
 }
 
-/// A fitted table in a folder.
+/// A fitted table in this folder.
 fn table(folder: &Path) -> PathBuf {
     fs::write(folder.join("recipe.json"), crate::common::SMALL).expect("a recipe");
     run(folder, ["fit", "recipe.json", "-o", "tables"]).exited(0);
@@ -59,7 +59,7 @@ fn manifests_of_exports() {
     let seeds = vec![fs::read(folder.path().join("export/ltcforge.json")).expect("a manifest")];
     let words =
         ["\"path\":", "\"../x\"", "\"bytes\":", "\"sha256\":", "\"about\":", "\"table ", "[", "{", "}", ",", "null"];
-    // The exit code is 1 for missing files of the manifest, and 3 for an invalid manifest.
+    // The exit code is 1 if files of the manifest are missing, and 3 if the manifest is invalid.
     Target { name: "manifest", seeds, words: &words, inputs: 60 }
         .survive(|bytes| answer(&["verify", "ltcforge.json"], "ltcforge.json", bytes, &[1, 3]));
 }

@@ -1,8 +1,7 @@
-//! The inputs of the repository: inputs that once failed, and inputs that trigger an error that no other input
-//! triggers.
+//! The inputs in the repository: inputs that once failed, and inputs that are the only ones to trigger an error.
 //!
-//! `corpus/` has a text file for each target, with an input on each line. Bytes outside printable ASCII are escaped as
-//! `\\n` or `\\x00`, a backslash as `\\\\`.
+//! `corpus/` has a text file for each target, with one input per line. Bytes outside printable ASCII are escaped as
+//! `\\n` or `\\x00`, and a backslash as `\\\\`.
 
 use std::{
     collections::BTreeSet,
@@ -13,16 +12,16 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// The longest input that is kept for its faults.
+/// The largest size of an input that is kept for its faults, in bytes.
 const MOST_BYTES: usize = 4096;
 
-/// Most inputs of a target that are kept for their faults.
+/// The largest number of inputs per target that are kept for their faults.
 const MOST_INPUTS: usize = 100;
 
-/// The longest time for shortening an input.
+/// The time limit for shortening an input.
 const MOST_TIME: Duration = Duration::from_secs(20);
 
-/// The file of a target's inputs.
+/// The corpus file of a target.
 fn file(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz/corpus").join(name).with_extension("txt")
 }
@@ -34,7 +33,7 @@ pub(crate) fn inputs(name: &str) -> Vec<Vec<u8>> {
     text.lines().map(input).collect()
 }
 
-/// Appends an input unless the file has it. Returns the file and the line.
+/// Appends an input if the file does not have it yet. Returns the file and the line.
 pub(crate) fn write(name: &str, input: &[u8]) -> String {
     let (file, known) = (file(name), inputs(name));
     let line = known.iter().position(|other| other == input).unwrap_or_else(|| {
@@ -58,7 +57,7 @@ fn escaped(input: &[u8]) -> String {
     })
 }
 
-/// The input of a line; `None` if an escape is unknown.
+/// The input in a line. `None` if an escape is unknown.
 fn unescaped(line: &str) -> Option<Vec<u8>> {
     let (mut input, mut rest) = (Vec::new(), line.as_bytes());
     while let [byte, after @ ..] = rest {
@@ -76,7 +75,8 @@ fn unescaped(line: &str) -> Option<Vec<u8>> {
     Some(input)
 }
 
-/// Shortens an input with the faults `new`. Writes it if it is short enough and the target has room for more inputs.
+/// Shortens an input that triggers the faults `new`. Writes it if it is short enough and the target has room for more
+/// inputs.
 pub(crate) fn keep(name: &str, input: &[u8], new: &BTreeSet<String>, faults: impl Fn(&[u8]) -> BTreeSet<String>) {
     if inputs(name).len() < MOST_INPUTS {
         let short = shortened(input, |shorter| faults(shorter).is_superset(new));
@@ -106,7 +106,7 @@ fn shortened(input: &[u8], is_as_good: impl Fn(&[u8]) -> bool) -> Vec<u8> {
 }
 
 #[test]
-fn an_input_is_shortened_to_what_its_fault_needs() {
+fn an_input_is_shortened_to_the_bytes_that_its_fault_needs() {
     let long = [b"some words, a {brace, and \"size\": -1 and more }".as_slice(), &[b' '; 3000]].concat();
     let has = |text: &[u8], word: &[u8]| text.windows(word.len()).any(|part| part == word);
     assert_eq!(shortened(&long, |input| has(input, b"{") && has(input, b"size")), b"{size");

@@ -1,4 +1,4 @@
-//! Documents and containers, read by the library.
+//! Documents and containers, as the library reads them.
 
 use std::path::Path;
 
@@ -80,7 +80,7 @@ fn tables() {
     Target { name: "safetensors", seeds, words: &words, inputs: 2000 }.survive(|bytes| match decode(bytes) {
         Ok(file) => {
             let encoded = encode(file.recipe(), file.table());
-            assert!(encoded.is_ok_and(|encoded| encoded == bytes), "a table has one file");
+            assert!(encoded.is_ok_and(|encoded| encoded == bytes), "the same table was encoded differently");
             "a table".to_owned()
         }
         Err(error) => error.to_string(),
@@ -157,20 +157,20 @@ fn lock_files() {
         let Ok(text) = std::str::from_utf8(bytes) else { return "not UTF-8".to_owned() };
         match LockFile::parse(text, path) {
             Ok(lock) => {
-                // Version 1 has no recipes, but writing needs them.
+                // Version 1 has no recipes, but writing a lock file needs recipes.
                 if lock.pins.iter().all(|pin| pin.recipe.is_some()) {
                     let written = with_pins(text, &lock.pins).expect("what was read can be written");
                     assert_eq!(LockFile::parse(&written, path).expect("a lock file").pins, lock.pins);
                 }
                 "a lock file".to_owned()
             }
-            // The quoted lines of the file are removed.
+            // Lines quoted from the file are removed.
             Err(error) => error.to_string().lines().filter(|line| !line.contains('|')).collect::<Vec<_>>().join("\n"),
         }
     });
 }
 
-/// A scene in one file: JSON, and the numbers behind it.
+/// A scene in one file: JSON, followed by the numbers.
 fn glb(json: &str, binary: &[u8]) -> Vec<u8> {
     let mut json = json.as_bytes().to_vec();
     json.resize(json.len().next_multiple_of(4), b' ');
@@ -185,7 +185,7 @@ fn glb(json: &str, binary: &[u8]) -> Vec<u8> {
     [&b"glTF"[..], &2_u32.to_le_bytes(), &length, &chunks].concat()
 }
 
-/// The corners of a square, 48 bytes, and its two triangles, 12.
+/// The corners of a square (48 bytes), and its two triangles (12 bytes).
 fn corners() -> Vec<u8> {
     let positions: [f32; 12] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0];
     let mut binary: Vec<u8> = positions.iter().flat_map(|number| number.to_le_bytes()).collect();

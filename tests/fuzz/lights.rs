@@ -7,7 +7,7 @@ use ltcforge::{
 
 use super::target::Target;
 
-/// Most pixels of a decoded picture.
+/// The largest number of pixels in a decoded picture.
 const MOST_PIXELS: u64 = 1 << 18;
 
 fn png(color: png::ColorType, depth: png::BitDepth, pixels: &[u8]) -> Vec<u8> {
@@ -70,7 +70,7 @@ fn pictures() {
                 assert!(picture.image.texels().iter().flatten().all(|number| number.is_finite() && *number >= 0.0));
                 format!("{} {:?}", picture.format.name(), picture.curve)
             }
-            // The names and checksums of chunks come from the file, so they are removed.
+            // Names and checksums of chunks come from the file, so they are removed.
             Err(error) => error.to_string().split("ChunkType").next().unwrap_or_default().to_owned(),
         }
     });

@@ -1,4 +1,4 @@
-//! Heads and queries of requests, as bytes on a connection.
+//! Request heads and queries, sent as bytes on a connection.
 
 use std::{
     io::{Read as _, Write as _},
@@ -32,8 +32,8 @@ const WORDS: [&str; 20] = [
     "cursor=",
 ];
 
-/// The longest time of a response. The service waits for the rest of a request until the connection is closed. In long
-/// runs other targets share the processor.
+/// The longest time for a response. The service waits for the rest of a request until the connection is closed. In long
+/// runs, other targets share the processor.
 const MOST: Duration = Duration::from_secs(60);
 
 #[test]
@@ -65,7 +65,7 @@ fn requests() {
     Target { name: "requests", seeds, words: &WORDS, inputs: 300 }.survive(|bytes| {
         let mut stream = TcpStream::connect(address).expect("the service accepts");
         stream.set_read_timeout(Some(MOST)).expect("a timeout");
-        // The service may respond and close before it has read the whole request.
+        // The service may respond and close the connection before it has read the whole request.
         let _ = stream.write_all(bytes);
         let _ = stream.shutdown(Shutdown::Write);
         let mut answer = Vec::new();

@@ -1,6 +1,6 @@
 //! Inputs for readers of foreign bytes: seeds, the corpus, and mutations of both.
 //!
-//! The stable compiler has no instrumentation for fuzzing, so the answers of a reader take its place. An input that
+//! The stable compiler has no instrumentation for fuzzing, so the answers of a reader replace it. An input that
 //! triggers a new error is mutated further.
 
 use std::{
@@ -15,17 +15,17 @@ use rustix::time::{ClockId, clock_gettime};
 
 use super::{answer::Format, corpus, watch::Watch};
 
-/// The longest processor time of one input in the thread that reads it. It is not wall-clock time, because all targets
-/// may share two cores. [`Watch`] limits the wall-clock time.
+/// The largest processor time for one input, in the thread that reads it. Wall-clock time is not used, because all
+/// targets may share two cores. [`Watch`] limits the wall-clock time.
 const MOST_TIME: Duration = Duration::from_secs(20);
 
-/// The longest input.
+/// The largest size of an input in bytes.
 const MOST_BYTES: usize = 1 << 20;
 
-/// Most inputs that are mutated further.
+/// The largest number of inputs that are mutated further.
 const MOST_KEPT: usize = 2000;
 
-/// Replacements for a number.
+/// Values that replace a number.
 const NUMBERS: [&str; 12] = [
     "0",
     "-1",
@@ -41,20 +41,20 @@ const NUMBERS: [&str; 12] = [
     "\"\"",
 ];
 
-/// A reader of bytes, with its inputs.
+/// A reader of bytes, with inputs for it.
 #[derive(Debug)]
 pub(crate) struct Target<'a> {
-    /// Its name, and the name of its file in `tests/fuzz/corpus`.
+    /// The target's name. Its file in `tests/fuzz/corpus` has the same name.
     pub(crate) name: &'a str,
     /// Valid inputs.
     pub(crate) seeds: Vec<Vec<u8>>,
     /// Words of the format.
     pub(crate) words: &'a [&'a str],
-    /// The number of inputs in every run of the tests. `LTCFORGE_TEST_FUZZ_SECONDS` sets a time instead.
+    /// The number of inputs in each run of the tests. `LTCFORGE_TEST_FUZZ_SECONDS` sets a duration instead.
     pub(crate) inputs: u64,
 }
 
-/// Pseudo-random numbers that are equal in every run.
+/// Pseudo-random numbers that are the same in every run.
 struct Random(u64);
 
 impl Random {
@@ -80,18 +80,18 @@ fn processor_time() -> Duration {
     Duration::try_from(clock_gettime(ClockId::ThreadCPUTime)).expect("a time since the thread began")
 }
 
-/// A number in the environment.
+/// A number in an environment variable.
 fn number_of(name: &str) -> Option<u64> {
     env::var(name).ok().map(|text| text.parse().unwrap_or_else(|_| panic!("{name} must be a number, got «{text}»")))
 }
 
 impl Target<'_> {
-    /// Calls `read` with the inputs of the corpus, the seeds, and mutations of both. `read` returns the message for
+    /// Calls `read` with the inputs of the corpus, the seeds, and mutations of both. `read` must return the message for
     /// users.
     ///
     /// # Panics
-    /// When `read` panics or takes too long. The input is then in the corpus, and the next run begins with it. When
-    /// there is no corpus.
+    /// `read` panics or takes too long. The input is then in the corpus, and the next run starts with it. Or there is
+    /// no corpus.
     pub(crate) fn survive(&self, read: impl Fn(&[u8]) -> String) {
         assert!(!self.seeds.is_empty(), "{}: no seeds", self.name);
         let seconds = number_of("LTCFORGE_TEST_FUZZ_SECONDS");
@@ -121,7 +121,7 @@ impl Target<'_> {
             }
         }
         if seconds.is_some() {
-            // The output of print macros is hidden for tests that pass.
+            // The output of print macros is hidden for passing tests.
             let message = format!("{}: {inputs} inputs, {} faults and results\n", self.name, known.len());
             std::io::stderr().write_all(message.as_bytes()).expect("stderr");
         }
@@ -168,7 +168,7 @@ impl Target<'_> {
                 bytes.splice(at..at, again).for_each(drop);
             }
             6 => {
-                // A number of 32 or 64 bits, mostly at an end of its range.
+                // A number of 32 or 64 bits, usually at one end of its range.
                 let number = [0, 1, u64::MAX, u64::MAX >> 1, 1 << 31, 1 << 32, random.next()][random.below(7)];
                 let width = (4 << random.below(2)).min(bytes.len() - at);
                 bytes[at..at + width].copy_from_slice(&number.to_le_bytes()[..width]);
@@ -195,7 +195,7 @@ impl Target<'_> {
     }
 }
 
-/// A reader with a fault behind three conditions, which a random input hardly meets at once.
+/// A reader with a fault behind three conditions. A random input hardly ever meets all three at once.
 #[test]
 fn a_fault_behind_several_conditions_is_found() {
     let read = |bytes: &[u8]| {

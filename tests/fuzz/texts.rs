@@ -1,4 +1,4 @@
-//! Short texts: tokens, descriptions of materials, parameters of pictures, the documents of a service.
+//! Short texts: tokens, descriptions of materials, parameters of pictures, and documents from a service.
 
 use ltcforge::{
     client::{JobDocument, ServerTokens},
@@ -13,7 +13,7 @@ use ltcforge::{
 
 use super::target::Target;
 
-/// A reader of bytes from a reader of texts.
+/// A reader of bytes, made from a reader of text.
 fn of_text(read: impl Fn(&str) -> String) -> impl Fn(&[u8]) -> String {
     move |bytes| std::str::from_utf8(bytes).map_or_else(|_| "not UTF-8".to_owned(), &read)
 }

@@ -1,4 +1,4 @@
-//! The calls of a program or a build script: build a recipe, fit it once, and write the files that it needs.
+//! The calls of a program or build script: build a recipe, fit it once, and write the needed files.
 
 use std::{
     error::Error,
@@ -30,7 +30,7 @@ fn small() -> RecipeBuilder {
 }
 
 #[test]
-fn the_bytes_are_pinned_and_a_written_table_has_them() -> Result {
+fn the_bytes_of_a_written_table_are_pinned() -> Result {
     let table = ltcforge::fit(&small().build()?)?;
     let bytes = table.to_bytes()?;
     assert_eq!(Digest::of(&bytes).to_string(), PINNED_DIGEST);
@@ -55,7 +55,7 @@ fn the_bytes_of_gaussians_are_pinned() -> Result {
 fn a_cached_table_is_not_fitted_again() -> Result {
     let (recipe, folder) = (small().build()?, tempfile::tempdir()?);
     let table = ltcforge::cached(&recipe, folder.path())?;
-    // Another fit would replace the file, and its modification time would be now.
+    // A second fit would replace the file and its modification time.
     let kept = folder.path().join(format!("{}.safetensors", recipe.digest().hex()));
     let long_ago = std::time::SystemTime::UNIX_EPOCH;
     fs::File::options().write(true).open(&kept)?.set_modified(long_ago)?;

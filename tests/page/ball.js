@@ -1,4 +1,4 @@
-// The shader ball of the viewer: its triangles, its light compared with the reference, and its link.
+// Tests the shader ball of the viewer: its triangles, its light compared with the reference, and its link.
 
 import { withWorld } from './world.js';
 

@@ -35,7 +35,7 @@ export function texturedSphere( rows, material, images, hasTangents = true ) {
 	const { document, binary } = sphere( rows, material );
 	const places = Array.from( { length: rows + 1 }, ( _, row ) => Array.from( { length: 2 * rows + 1 }, ( _, column ) => [ column / ( 2 * rows ), row / rows ] ) ).flat( 2 );
 	const chunks = [ Buffer.from( new Float32Array( places ).buffer ), ...images ];
-	// Every chunk begins at a multiple of four bytes.
+	// Every chunk starts at a multiple of four bytes.
 	const padded = chunks.map( ( chunk ) => Buffer.concat( [ chunk, Buffer.alloc( - chunk.length & 3 ) ] ) );
 	let at = binary.length;
 	for ( const [ i, chunk ] of chunks.entries() ) {

@@ -1,5 +1,5 @@
-// From the form of a recipe to the downloaded table. Then a job that is followed across a reload and cancelled in another tab, and
-// a job that fails.
+// From the form for a recipe to the downloaded table. Then a job that is watched across a reload and cancelled in
+// another tab, and a job that fails.
 
 import { createHash } from 'node:crypto';
 import { readFile } from 'node:fs/promises';
@@ -40,7 +40,7 @@ await withWorld( async ( { service, open } ) => {
 	await running.waitFor();
 	await other.reload();
 	await running.waitFor();
-	// The page of one job updates by the event stream alone.
+	// Only the event stream updates the page of a job.
 	const done = () => other.locator( '.facts dd' ).first().textContent();
 	const first = await done();
 	await other.waitForFunction( ( first ) => document.querySelector( '.facts dd' ).textContent !== first, first );
@@ -49,7 +49,7 @@ await withWorld( async ( { service, open } ) => {
 	await other.locator( '.state.cancelled' ).waitFor();
 	const { state } = await service.call( `/v1/jobs/${ id }` );
 
-	// Both pages show why a job failed. It can be submitted again.
+	// Both pages show why a job failed. The job can be submitted again.
 	await service.fail( { ...SMALL, precision: 'f16' } );
 	await list.reload();
 	const failed = list.locator( 'tr', { has: list.locator( '.state.failed' ) } );

@@ -1,5 +1,5 @@
-// Runs Lighthouse on the list of tables and on a table, for `make lighthouse`. Fails if a score is below 95. Only this script
-// needs the package `lighthouse`.
+// Runs Lighthouse on the list of tables and on a table, for `make lighthouse`. Fails if a score is below 95. Only this
+// script needs the package `lighthouse`.
 
 import lighthouse from 'lighthouse';
 
@@ -15,7 +15,7 @@ await withWorld( async ( { service } ) => {
 	const scores = {};
 	for ( const [ name, hash ] of Object.entries( { tables: 'tables', table: `tables/${ digests[ 0 ] }` } ) ) {
 
-		// The first run makes the service render the pictures. The second one is measured.
+		// In the first run, the service renders the pictures. The second run is measured.
 		for ( let run = 0; run < 2; run ++ ) {
 
 			const { lhr } = await lighthouse( `${ service.url }/#/${ hash }`, { port: PORT, logLevel: 'error' } );

@@ -1,5 +1,5 @@
-// Checks every page in both themes and at three widths: with axe-core, for content wider than the window, for text that is too
-// small, and for motion if the user prefers reduced motion. `--pictures FOLDER` writes screenshots.
+// Checks every page in both themes and at three widths: with axe-core, for content wider than the window, for small
+// text, and for motion if the user prefers reduced motion. `--pictures FOLDER` writes screenshots.
 
 import { createRequire } from 'node:module';
 import { readFile } from 'node:fs/promises';
@@ -62,7 +62,7 @@ async function below( prefix, service ) {
 
 await withWorld( async ( { service, open } ) => {
 
-	// Screenshots show tables of good quality.
+	// For screenshots, the tables have good quality.
 	const recipes = PICTURES ? [ { preset: 'paper' }, { preset: 'standard', layout: 'ltc2017' }, { preset: 'paper', precision: 'f16' }, { preset: 'draft', brdf: 'charlie' } ] : [ SMALL, { ...SMALL, precision: 'f16' } ];
 	const digests = [];
 	for ( const recipe of recipes ) digests.push( await service.fit( recipe ) );
@@ -80,7 +80,7 @@ await withWorld( async ( { service, open } ) => {
 
 			await page.evaluate( ( hash ) => location.hash = `#/${ hash }`, hash );
 			await page.locator( `.page-${ hash.split( /[/?]/ )[ 0 ] } h1` ).waitFor();
-			// Wait for all pictures, and for a complete reference in the viewer if screenshots are written.
+			// Waits for all pictures. For screenshots, it also waits for a complete reference in the viewer.
 			await page.locator( READY[ name ] ).first().waitFor();
 			await page.waitForFunction( ( samples ) => [ ...document.images ].every( ( { src, complete } ) => src && complete )
 				&& [ ...document.querySelectorAll( '.stage canvas' ) ].every( ( { dataset } ) => Number( dataset.samples ) >= samples ), PICTURES ? 1024 : 0 );

@@ -1,4 +1,4 @@
-// glTF files in the viewer: a sphere of triangles compared with the viewer's own sphere, and files with errors.
+// Tests glTF files in the viewer: a sphere of triangles compared with the viewer's own sphere, and files with errors.
 
 import { glb, sphere } from './glb.js';
 import { withWorld } from './world.js';
@@ -43,7 +43,7 @@ await withWorld( async ( { open } ) => {
 
 	const note = await offer( 'sphere.glb', glb( sphere( 96, material ) ) );
 	await page.waitForFunction( () => document.querySelector( '#view-surface' ).value === 'mesh' );
-	// The frame after the next shows the mesh.
+	// The mesh appears in the second frame.
 	await page.evaluate( () => new Promise( ( done ) => requestAnimationFrame( () => requestAnimationFrame( done ) ) ) );
 	const meshed = await bytes();
 	const apart = Math.max( ...meshed.map( ( byte, i ) => Math.abs( byte - own[ i ] ) ) );

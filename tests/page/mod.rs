@@ -1,8 +1,8 @@
-//! The page of `ltcforge serve`, used in a browser as people use it.
+//! Tests the page of `ltcforge serve` in a browser, used like people use it.
 //!
-//! `node` runs each script of this folder in Chromium with its own service. `make test` installs the dependencies. If it cannot,
-//! the tests print that they are skipped. `UPDATE_PICTURES=1 cargo test --test product page::looks -- --ignored` writes screenshots
-//! of every page, at three widths and in both themes, to `target/page`.
+//! `node` runs each script of this folder in Chromium, with its own service. `make test` installs the dependencies.
+//! Without them, the tests report that they are skipped. `UPDATE_PICTURES=1 cargo test --test product page::looks --
+//! --ignored` writes screenshots of every page to `target/page`, at three widths and in both themes.
 
 use std::{env, fs, path::Path};
 
@@ -10,8 +10,8 @@ use serde_json::{Value, json};
 
 use crate::common::browser;
 
-/// The output of a script. The browser must report no complaint: no error of a script or of the console, and no violation of
-/// the Content-Security-Policy.
+/// The output of a script. The browser must not report anything: no errors of scripts or of the console, and no
+/// violations of the Content-Security-Policy.
 fn script(file: &str, args: &[&str]) -> Option<Value> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/page");
     let output: Value = browser::script(&folder, file, args)?;
@@ -20,7 +20,7 @@ fn script(file: &str, args: &[&str]) -> Option<Value> {
 }
 
 #[test]
-fn jobs_are_submitted_watched_cancelled_and_told_why_they_failed() {
+fn jobs_are_submitted_watched_and_cancelled_and_failures_are_explained() {
     let Some(seen) = script("jobs.js", &[]) else { return };
     let document = json!({
         "preset": "draft", "resolution": { "alpha": 2, "ratio": 2, "theta": 2, "phi": 2 },
@@ -38,7 +38,7 @@ fn jobs_are_submitted_watched_cancelled_and_told_why_they_failed() {
 
 #[test]
 #[ignore = "make test-all runs it"]
-fn faults_are_told_at_their_fields() {
+fn faults_appear_next_to_their_fields() {
     let Some(seen) = script("faults.js", &[]) else { return };
     assert_eq!(seen["shown"], json!({ "samples": "3", "invalid": "true", "directions": "8" }), "{seen:#}");
     assert_eq!((&seen["isRefused"], &seen["left"], &seen["jobs"]), (&json!(true), &json!(""), &json!(0)), "{seen:#}");
@@ -58,13 +58,13 @@ fn faults_are_told_at_their_fields() {
 
 #[test]
 #[ignore = "make test-all runs it"]
-fn a_recipe_is_placed_among_others_and_found_for_a_scene() {
+fn a_recipe_is_shown_in_the_tradeoff_and_planned_for_a_scene() {
     let Some(seen) = script("planning.js", &[]) else { return };
     assert_eq!((&seen["others"], &seen["halved"]), (&json!([]), &json!(true)), "{seen:#}");
     assert_eq!(seen["shown"], "1, 0.04 × 4", "{seen:#}");
     assert_eq!(seen["weighed"], json!([{ "f0": 1 }, { "f0": 0.04, "weight": 8 }, { "f0": 0.5 }]), "{seen:#}");
     assert!(seen["fault"].as_str().is_some_and(|fault| fault.contains("null is not a number")), "{seen:#}");
-    // The ranges contain just the material's alpha. An isotropic scene has one ratio.
+    // The ranges contain exactly the material's alpha. An isotropic scene has one ratio.
     let range = |of: &str, axis: &str| seen[of]["range"][axis].clone();
     assert_eq!(range("planned", "alpha"), json!([0.3, 0.3]), "{seen:#}");
     assert_eq!(range("round", "ratio"), json!([1, 1]), "{seen:#}");
@@ -73,7 +73,7 @@ fn a_recipe_is_placed_among_others_and_found_for_a_scene() {
 
 #[test]
 #[ignore = "make test-all runs it"]
-fn a_token_is_asked_for_sent_with_everything_and_kept_nowhere() {
+fn a_token_is_requested_sent_with_every_request_and_never_stored() {
     let Some(seen) = script("token.js", &[]) else { return };
     assert_eq!((&seen["others"], &seen["saved"]), (&json!([]), &seen["digest"]), "{seen:#}");
     assert!(seen["name"].as_str().is_some_and(|name| name.ends_with(".safetensors")), "{seen:#}");
@@ -84,7 +84,7 @@ fn a_token_is_asked_for_sent_with_everything_and_kept_nowhere() {
 
 #[test]
 #[ignore = "make test-all runs it"]
-fn tables_are_found_sorted_compared_and_varied_and_their_maps_read() {
+fn tables_are_searched_sorted_compared_and_varied_and_their_maps_read() {
     let Some(seen) = script("tables.js", &[]) else { return };
     assert_eq!(seen["isNewestFirst"], true, "{seen:#}");
     for column in ["Error", "Light", "Size"] {
@@ -117,33 +117,33 @@ fn tables_are_found_sorted_compared_and_varied_and_their_maps_read() {
 
 #[test]
 #[ignore = "make test-all runs it"]
-fn every_open_page_notices_a_service_that_stops_and_outlives_its_restart() {
+fn every_open_page_notices_a_stopped_service_and_survives_its_restart() {
     let Some(seen) = script("outage.js", &[]) else { return };
     assert_eq!(seen["others"], json!([]), "{seen:#}");
 }
 
-/// Maximum difference of a byte between the viewer and previews. Graphics drivers compute with different rounding.
+/// Largest difference of a byte between the viewer and previews. Graphics drivers round differently.
 const OFF: f64 = 2.0;
 
-/// Maximum relative difference of all light between the references of the viewer and of previews.
+/// Largest relative difference of the total light between the references of the viewer and of previews.
 const REFERENCE_OFF: f64 = 0.01;
 
-/// Maximum relative difference of the bytes of the shader ball between `normals` and the reference.
+/// Largest relative difference of the bytes of the shader ball, between `normals` and the reference.
 const BALL_OFF: f64 = 0.01;
 
-/// Maximum mean difference of bytes between the table of engines and our table, for an isotropic surface.
+/// Largest mean difference of bytes between a table for engines and our table, for an isotropic surface.
 const ENGINES_OFF: f64 = 1.5;
 
 #[test]
 #[ignore = "make test-all runs it"]
-fn the_viewer_draws_what_previews_show() {
+fn the_viewer_agrees_with_previews() {
     let Some(seen) = script("viewer.js", &[]) else { return };
     let number = |of: &str, name: &str| seen[of][name].as_f64().unwrap_or_else(|| panic!("{of} {name}: {seen:#}"));
     let scenes = seen["off"].as_object().expect("numbers by scene");
     assert_eq!(scenes.len(), 18, "{seen:#}");
     for scene in scenes.keys() {
         assert!(number("off", scene) <= OFF, "{scene}: {seen:#}");
-        assert!(number("bright", scene) > 40.0, "{scene}: nothing is seen: {seen:#}");
+        assert!(number("bright", scene) > 40.0, "{scene}: nothing is visible: {seen:#}");
     }
     for light in ["rectangle", "disk", "tube", "sheen"] {
         assert!(number("reference", light).abs() < REFERENCE_OFF, "{light}: {seen:#}");
@@ -152,25 +152,25 @@ fn the_viewer_draws_what_previews_show() {
         assert!(number("engines", light) < ENGINES_OFF, "{light}: {seen:#}");
     }
     assert!(number("engines", "brushed") > 2.0 * number("engines", "round"), "{seen:#}");
-    assert!(seen["same"].as_f64().is_some_and(|byte| byte < 100.0), "no difference is dark blue: {seen:#}");
+    assert!(seen["same"].as_f64().is_some_and(|byte| byte < 100.0), "a difference of zero must be dark blue: {seen:#}");
     assert_eq!(seen["beside"], "normals, no table");
     let tables = seen["tables"].as_array().expect("a list");
     assert!(!tables.iter().any(|table| table == "table normals") && tables.len() > 3, "{tables:?}");
-    assert_eq!(seen["isExplained"], true, "two scattering models are explained");
+    assert_eq!(seen["isExplained"], true, "the comparison of two scattering models must be explained");
 }
 
 #[test]
 #[ignore = "make test-all runs it"]
-fn pictures_on_lights_are_seen_as_the_program_tells() {
+fn pictures_on_lights_agree_with_the_command() {
     let Some(seen) = script("pictured.js", &[]) else { return };
     let number = |of: &str, name: &str| seen[of][name].as_f64().unwrap_or_else(|| panic!("{of} {name}: {seen:#}"));
     for scene in ["normals", "sharp", "table", "second"] {
         assert!(number("off", scene) <= OFF, "{scene}: {seen:#}");
     }
     for scene in ["normals", "sharp", "table"] {
-        assert!(number("bright", scene) > 100.0, "{scene}: nothing is seen: {seen:#}");
+        assert!(number("bright", scene) > 100.0, "{scene}: nothing is visible: {seen:#}");
     }
-    // All bytes are above 90, which rounds by 1 % at most.
+    // All bytes are above 90, so rounding changes them by at most 1 %.
     for channel in 0..3 {
         let [least, most] = [0, 1].map(|i| seen["engines"][channel][i].as_f64().expect("a factor"));
         assert!(least > 0.2 && most < 0.8 && most / least < 1.05, "{seen:#}");
@@ -185,17 +185,17 @@ fn pictures_on_lights_are_seen_as_the_program_tells() {
 
 #[test]
 #[ignore = "make test-all runs it"]
-fn the_viewer_is_used_and_its_link_holds_all() {
+fn the_viewer_is_used_and_its_link_contains_the_scene() {
     let Some(seen) = script("viewing.js", &[]) else { return };
     assert_eq!((&seen["kept"], &seen["linked"]), (&json!(true), &json!(true)), "{seen:#}");
     assert_eq!((&seen["outlines"], &seen["left"], &seen["restored"]), (&json!(2), &json!(1), &json!(0)), "{seen:#}");
     assert!(seen["refused"].as_str().is_some_and(|reason| reason.contains("oren_nayar")), "{seen:#}");
-    assert!(seen["unlisted"].as_str().is_some_and(|reason| reason.contains("looks up by number")), "{seen:#}");
+    assert!(seen["unlisted"].as_str().is_some_and(|reason| reason.contains("list of materials")), "{seen:#}");
 }
 
 #[test]
 #[ignore = "make test-all runs it"]
-fn the_shader_ball_is_smooth_and_its_link_holds_it() {
+fn the_shader_ball_is_smooth_and_its_link_contains_it() {
     let Some(seen) = script("ball.js", &[]) else { return };
     let number = |name: &str| seen[name].as_f64().unwrap_or_else(|| panic!("{name}: {seen:#}"));
     // The ball fits into the unit sphere. Each normal is close to the flat normal, and perpendicular to the tangent.
@@ -210,10 +210,10 @@ fn the_shader_ball_is_smooth_and_its_link_holds_it() {
 
 #[test]
 #[ignore = "make test-all runs it"]
-fn a_gltf_file_that_is_dropped_is_seen_with_its_own_materials() {
+fn a_dropped_gltf_file_is_shown_with_its_own_materials() {
     let Some(seen) = script("mesh.js", &[]) else { return };
     assert_eq!(seen["note"], "36,864 triangles, 1 material", "{seen:#}");
-    assert!(seen["bright"].as_f64().is_some_and(|byte| byte > 100.0), "nothing is seen: {seen:#}");
+    assert!(seen["bright"].as_f64().is_some_and(|byte| byte > 100.0), "nothing is visible: {seen:#}");
     // Flat triangles differ from the sphere by 1e-4.
     assert!(seen["apart"].as_f64().is_some_and(|bytes| bytes <= OFF), "{seen:#}");
     let parts = [
@@ -231,21 +231,21 @@ fn a_gltf_file_that_is_dropped_is_seen_with_its_own_materials() {
 
 #[test]
 #[ignore = "make test-all runs it"]
-fn textures_of_a_gltf_file_are_shown_or_told_to_be_left_out() {
+fn textures_of_a_gltf_file_are_shown_or_reported_as_not_shown() {
     let Some(seen) = script("textures.js", &[]) else { return };
     let number = |name: &str| seen[name].as_f64().unwrap_or_else(|| panic!("{name}: {seen:#}"));
-    // An image of one colour has the same effect as a factor, as PNG, and as JPEG with its rounding.
+    // An image of one colour has the same effect as a factor, both as PNG and, up to rounding, as JPEG.
     assert!(number("bright") > 60.0 && number("constant") <= OFF && number("jpeg") <= 2.0 * OFF, "{seen:#}");
     // The red left half of the texture is on the right of the image.
     assert!(seen["halves"][0].as_f64() < Some(0.45) && seen["halves"][1].as_f64() > Some(0.52), "{seen:#}");
-    // Normals that lean up move the highlight down, with and without tangents in the file.
+    // Normals that lean upwards move the highlight downwards, with and without tangents in the file.
     assert!(number("moved") > 4.0 && number("derived") <= OFF, "{seen:#}");
     let notes = seen["notes"].as_str().unwrap_or_default();
     for note in [
         "baseColorTexture is not shown: images/0 is neither PNG nor JPEG",
         "metallicRoughnessTexture is not shown: images/1 has 65536 x 1 pixels; the limit is 4096",
         "normalTexture is not shown: images/2 cannot be decoded",
-        "only textures of base colour",
+        "only base colour, metallic-roughness and normal textures",
     ] {
         assert!(notes.contains(note), "{note}: {notes}");
     }
@@ -257,7 +257,7 @@ fn textures_of_a_gltf_file_are_shown_or_told_to_be_left_out() {
 
 #[test]
 #[ignore = "make test-all runs it"]
-fn looks_right_to_everyone_at_every_width_and_below_a_prefix() {
+fn looks_right_in_both_themes_at_every_width_and_below_a_prefix() {
     let pictures = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/page");
     let pictures = pictures.to_string_lossy();
     let args: &[&str] = if env::var_os("UPDATE_PICTURES").is_some() {

@@ -1,4 +1,4 @@
-// The service stops while pages are open, and starts again.
+// The service stops and starts again while pages are open.
 
 import { ENDLESS, SMALL, withWorld } from './world.js';
 
@@ -18,9 +18,9 @@ await withWorld( async ( { service, open, complaints } ) => {
 
 	const all = Object.values( pages );
 	await service.stop();
-	// Every page notices by itself. Most of them make no calls.
-	for ( const page of all ) await page.locator( '#service.down', { hasText: 'does not answer' } ).waitFor();
-	// A page that could not load is shown once the service is back.
+	// Every page notices this on its own, although most pages make no calls.
+	for ( const page of all ) await page.locator( '#service.down', { hasText: 'does not respond' } ).waitFor();
+	// A page that failed to load is shown once the service is running again.
 	await pages.compare.evaluate( () => location.hash = '#/jobs' );
 	await pages.compare.getByRole( 'heading', { name: 'Cannot show this page' } ).waitFor();
 	// The list of tables notices the service only later, when there is another table.
@@ -29,14 +29,14 @@ await withWorld( async ( { service, open, complaints } ) => {
 	for ( const page of all ) if ( page !== pages.tables ) await page.locator( '#service.up' ).waitFor();
 	await pages.compare.locator( '.state.running' ).waitFor();
 	await fetch( `${ service.url }/v1/jobs/${ id }`, { method: 'DELETE' } );
-	// Each page updates by itself.
+	// Each page updates on its own.
 	for ( const page of [ pages.job, pages.jobs ] ) await page.locator( '.state.cancelled' ).waitFor();
 	await service.fit( { ...SMALL, precision: 'f16' } );
 	await pages.jobs.locator( '.state.done' ).nth( 1 ).waitFor();
 	await pages.tables.unroute( '**/healthz' );
 	await pages.tables.locator( '#service.up' ).waitFor();
 	await pages.tables.locator( '.list tbody tr', { hasText: 'f16' } ).waitFor();
-	// The browser reports the failed connections. It must report nothing else.
+	// The browser reports the failed connections. It must not report anything else.
 	const others = complaints.splice( 0 ).filter( ( text ) => ! /ERR_CONNECTION_REFUSED|ERR_FAILED|ERR_EMPTY_RESPONSE|ERR_CONNECTION_RESET|ERR_INCOMPLETE_CHUNKED_ENCODING|status of 503/.test( text ) );
 	return { others };
 

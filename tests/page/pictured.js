@@ -1,5 +1,5 @@
-// Pictures on lights. Compares the viewer's pixels with `ltcforge light --texture` for the same surfaces, and its reference with
-// `--truth`. Then opens files.
+// Pictures on lights. Compares the viewer's pixels with `ltcforge light --texture` for the same surfaces, and its
+// reference with `--truth`. Then it opens files.
 
 import { spawnSync } from 'node:child_process';
 import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
@@ -123,14 +123,14 @@ await withWorld( async ( { service, open } ) => {
 
 	}
 
-	// The picture of the second light is another layer. The dim first light shows another picture.
+	// The picture of the second light is in another layer. The dim first light shows another picture.
 	const second = { lights: 2, light2_x: - 1.3, light2_y: 1.4, light2_z: 1.2, light2_width: 0.8, light2_height: 0.5, light2_picture: 'signs' };
 	await shown( { ...plastic, ...second, light_picture: 'disc', light_intensity: 0.1, show: 'model' } );
 	const inTwo = ( await pixelsAt() ).pixels;
 	const alone = ( await shown( { ...plastic, show: 'model' } ), await pixelsAt() ).pixels;
 	off.second = apart( inTwo, alone );
 
-	// Engines use only the mean: in each channel, the whole surface is darker by one factor.
+	// Engines only use the mean. In each channel, the whole surface is darker by one factor.
 	const round = { table: 'engines', metal: 'white', alpha_x: 0.4, alpha_y: 0.4, show: 'model', light_width: 0.8, light_height: 0.5 };
 	const [ plainly, pictured ] = [ ( await shown( round ), await frame(), await pixelsAt() ).pixels, ( await shown( { ...round, light_picture: 'signs' } ), await pixelsAt() ).pixels ];
 	const darker = [ 0, 1, 2 ].map( ( channel ) => plainly.map( ( pixel, i ) => linear( pictured[ i ][ channel ] ) / linear( pixel[ channel ] ) ).filter( ( _, i ) => plainly[ i ][ channel ] > 90 ) );
@@ -144,7 +144,7 @@ await withWorld( async ( { service, open } ) => {
 	const reference = sum( truly.pixels ) / sum( byte( plastic, truly.png, [ '--truth' ], 'true_' ) ) - 1;
 	rmSync( folder, { recursive: true } );
 
-	// A file of one colour gives the same light as no picture. The link does not contain it.
+	// A file of one colour gives the same light as no picture. The link does not contain the file.
 	await shown( { light_width: 0.8, light_height: 0.5, show: 'model' } );
 	const plain = ( await pixelsAt() ).pixels;
 	const openFile = async ( name, mimeType, buffer ) => {
@@ -171,7 +171,7 @@ await withWorld( async ( { service, open } ) => {
 	await page.locator( '#picture' ).setInputFiles( { name: 'no.png', mimeType: 'image/png', buffer: Buffer.from( 'no picture' ) } );
 	const refused = await page.locator( '.controls .notice' ).textContent();
 
-	// A video that is recorded here: red, then blue.
+	// This page records a video: red, then blue.
 	const film = await page.evaluate( () => new Promise( ( done ) => {
 
 		const canvas = Object.assign( document.createElement( 'canvas' ), { width: 64, height: 40 } );

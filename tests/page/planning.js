@@ -1,4 +1,4 @@
-// The forecast of a recipe and its place in the chart, weights of materials, and recipes from scenes.
+// Tests the forecast of a recipe and its place in the chart, weights of materials, and recipes from scenes.
 
 import { glb, sphere } from './glb.js';
 import { withWorld } from './world.js';
@@ -43,7 +43,7 @@ await withWorld( async ( { service, open, complaints } ) => {
 	await scene.setInputFiles( { name: 'broken.glb', mimeType: 'model/gltf-binary', buffer: Buffer.from( 'glTF' ) } );
 	const refused = await page.locator( '.drop .notice' ).first().textContent();
 
-	// Start from a use.
+	// Starts from a use.
 	await page.locator( '#start' ).selectOption( { label: 'glTF sheen' } );
 	await page.waitForFunction( () => document.querySelector( '#field-brdf' ).value === 'charlie_neubelt' );
 	// The browser reports every response with an error status.

@@ -1,4 +1,4 @@
-// Search, sort, compare and vary tables; read the error maps of a table with pointer and keys.
+// Searches, sorts, compares and varies tables. Reads the error maps of a table with pointer and keyboard.
 
 import { SMALL, withWorld } from './world.js';
 
@@ -39,7 +39,7 @@ await withWorld( async ( { service, open } ) => {
 
 	}
 
-	// Three compared tables, with the best value of each figure.
+	// Compares three tables. The best value of each figure is marked.
 	for ( const name of [ digest, coarse, half ] ) await list.getByLabel( `Compare ${ name.slice( 7, 17 ) }` ).check();
 	await list.getByRole( 'link', { name: 'Compare 3' } ).click();
 	await list.locator( '.best' ).first().waitFor();
@@ -47,7 +47,7 @@ await withWorld( async ( { service, open } ) => {
 	const least = ( figure ) => [ digest, coarse, half ].map( ( name, _, names ) => figure( manifests[ name ] ) === Math.min( ...names.map( ( other ) => figure( manifests[ other ] ) ) ) );
 	const winners = Object.entries( { 'Error between nodes, mean': FIGURES.Error, 'Error of light, mean': FIGURES.Light, Size: FIGURES.Size, Entries: ( { entries } ) => entries } ).map( ( [ name, figure ] ) => [ name, best[ name ], least( figure ) ] );
 
-	// A variation starts from the whole recipe.
+	// A variation starts from the complete recipe.
 	await list.evaluate( ( hash ) => location.hash = hash, `#/tables/${ half }` );
 	await list.getByRole( 'link', { name: 'Fit a variation' } ).click();
 	await list.getByRole( 'button', { name: 'Open the table' } ).waitFor();
@@ -62,7 +62,7 @@ await withWorld( async ( { service, open } ) => {
 	const output = page.locator( '.cell-errors' );
 	await output.filter( { hasText: 'lobe error' } ).waitFor();
 	/** The expected text for a cell. */
-	const wanted = ( column, row ) => `view angle ${ Math.round( errors.theta[ column ] * 180 / Math.PI ) }°, azimuth 40°: lobe error ${ ( 100 * errors.width[ row ][ column ] ).toFixed( 1 ) } % of its width, light error ${ ( 100 * errors.light[ row ][ column ] ).toFixed( 2 ) } % of its energy`;
+	const wanted = ( column, row ) => `view angle ${ Math.round( errors.theta[ column ] * 180 / Math.PI ) }°, azimuth 40°: lobe error ${ ( 100 * errors.width[ row ][ column ] ).toFixed( 1 ) } % of the lobe’s width, light error ${ ( 100 * errors.light[ row ][ column ] ).toFixed( 2 ) } % of the lobe’s energy`;
 	await map.scrollIntoViewIfNeeded();
 	const { x, y, width, height } = await map.boundingBox();
 	// The cell in column 30 and in row 5 from below.
@@ -72,12 +72,12 @@ await withWorld( async ( { service, open } ) => {
 	await page.keyboard.press( 'ArrowUp' );
 	await page.keyboard.press( 'ArrowLeft' );
 	const keyed = [ await output.textContent(), wanted( 29, 6 ) ];
-	// The brightest cell has the largest error, the darkest cell the smallest.
+	// The brightest cell has the largest error, and the darkest cell has the smallest.
 	const bytes = await page.locator( '.map canvas' ).first().evaluate( ( canvas ) => [ ...canvas.getContext( '2d' ).getImageData( 0, 0, 40, 40 ).data ] );
 	const flat = errors.width.flat();
 	const shade = ( cell ) => bytes.slice( 4 * cell, 4 * cell + 3 ).reduce( ( a, b ) => a + b, 0 );
 	const shades = Array.from( { length: 1600 }, ( _, cell ) => shade( cell ) );
-	// Rows of the image go down. Rows of the errors go up.
+	// Rows of the image run downwards. Rows of the errors run upwards.
 	const at = ( error ) => ( 39 - Math.floor( flat.indexOf( error ) / 40 ) ) * 40 + flat.indexOf( error ) % 40;
 	const isBrightest = shades[ at( Math.max( ...flat ) ) ] === Math.max( ...shades );
 	const isDarkest = shades[ at( Math.min( ...flat ) ) ] === Math.min( ...shades );

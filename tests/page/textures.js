@@ -1,4 +1,5 @@
-// Textures of a glTF file in the viewer, compared with equal factors, and notes about textures that are not shown.
+// Compares textures of a glTF file in the viewer with equal factors, and checks notes about textures that are not
+// shown.
 
 import { glb, texturedSphere } from './glb.js';
 import { withWorld } from './world.js';
@@ -30,7 +31,7 @@ await withWorld( async ( { open } ) => {
 	const shown = async ( scene ) => {
 
 		await noteOf( scene );
-		// The frame after the next shows the file.
+		// The file appears in the second frame.
 		return page.evaluate( () => new Promise( ( done ) => requestAnimationFrame( () => requestAnimationFrame( () => {
 
 			const [ canvas, copy ] = [ document.querySelector( '.stage canvas' ), document.createElement( 'canvas' ) ];
@@ -52,7 +53,8 @@ await withWorld( async ( { open } ) => {
 	const constant = apart( plain, await shown( texturedSphere( 48, textured, [ await image( 'png', colour ), await image( 'png', rough ) ] ) ) );
 	const jpeg = apart( plain, await shown( texturedSphere( 48, textured, [ await image( 'jpeg', colour ), await image( 'jpeg', rough ) ] ) ) );
 
-	// The left half of the texture is red, the right half blue. Measures red at the left and the right of the image.
+	// The left half of the texture is red, and the right half is blue. Measures red at the left and at the right of the
+	// image.
 	const two = await shown( texturedSphere( 48, { pbrMetallicRoughness: { roughnessFactor: 0.9, baseColorTexture: { index: 0 } } }, [ await image( 'png', [ 255, 0, 0 ], [ 0, 0, 255 ] ) ] ) );
 	const red = ( from ) => {
 
@@ -62,7 +64,7 @@ await withWorld( async ( { open } ) => {
 
 	};
 
-	// Normals that lean up by 15 degrees move the middle of the highlight down.
+	// Normals that lean upwards by 15 degrees move the middle of the highlight downwards.
 	const leaning = [ 128, Math.round( 127.5 * ( 1 + Math.sin( 0.26 ) ) ), Math.round( 127.5 * ( 1 + Math.cos( 0.26 ) ) ) ];
 	const normals = { pbrMetallicRoughness: { roughnessFactor: 0.6 }, normalTexture: { index: 0 } };
 	const middle = ( bytes ) => {

@@ -1,4 +1,4 @@
-// A service that needs a token: the page asks for it, sends it with every request, and does not store it.
+// Tests a service that needs a token. The page asks for the token, sends it with every request, and does not store it.
 
 import { createHash } from 'node:crypto';
 import { spawnSync } from 'node:child_process';
@@ -50,7 +50,7 @@ await withWorld( async ( { service, open, complaints } ) => {
 	const axe = await readFile( createRequire( import.meta.url ).resolve( 'axe-core/axe.min.js' ), 'utf8' );
 	await page.evaluate( axe );
 	const { violations } = await page.evaluate( () => window.axe.run( document ) );
-	// Without a token, the page says why it shows nothing.
+	// Without a token, the page explains why it shows nothing.
 	await page.keyboard.press( 'Escape' );
 	const without = await page.locator( '.notice' ).first().textContent();
 	// The browser reports every response with an error status.

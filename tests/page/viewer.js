@@ -71,7 +71,8 @@ await withWorld( async ( { service, open } ) => {
 		line_by_normals: { light_shape: 'line', light_height: 0.05, exposure: 4 },
 	};
 	const page = await open( 'tables' );
-	// Pixels at places: of the viewer's image, of a picture of the service by its path, or of a file by its bytes.
+	// Pixels at some places: from the viewer's image, from a picture of the service by its path, or from a file by its
+	// bytes.
 	const pixels = ( from, places ) => page.evaluate( async ( { from, places } ) => {
 
 		const canvas = document.createElement( 'canvas' );
@@ -105,7 +106,7 @@ await withWorld( async ( { service, open } ) => {
 
 	}
 
-	// Compare the published table of KT et al. with `ltcforge preview` of its file.
+	// Compares the published table of KT et al. with `ltcforge preview` of its file.
 	for ( const [ name, scene ] of Object.entries( { kt2022: { rotation: 0.3 }, kt2022_sharp: { alpha_x: 0.1, alpha_y: 0.02, exposure: 2 } } ) ) {
 
 		await shown( { table: 'kt2022', show: 'model', ...scene } );
@@ -129,7 +130,7 @@ await withWorld( async ( { service, open } ) => {
 	off.two_lights = apart( both, alone[ 0 ].map( ( pixel, i ) => pixel.map( ( byte, c ) => shownAs( linear( byte ) + linear( alone[ 1 ][ i ][ c ] ) ) ) ) );
 	bright.two_lights = Math.max( ...both.flat() );
 
-	// Compare references over a grid.
+	// Compares references over a grid.
 	const grid = Array.from( { length: 400 }, ( _, i ) => [ 20 + 24 * ( i % 20 ), 20 + 24 * Math.floor( i / 20 ) ] );
 	const sum = ( pixels ) => pixels.flat().reduce( ( a, b ) => a + b, 0 );
 	const reference = {};
@@ -141,7 +142,7 @@ await withWorld( async ( { service, open } ) => {
 
 	}
 
-	// The table of engines is accurate for an isotropic surface, and not for an anisotropic one.
+	// A table for engines is accurate for an isotropic surface, but not for an anisotropic surface.
 	const engines = {};
 	for ( const [ name, scene ] of [ [ 'round', { alpha_y: 0.4 } ], [ 'sphere', { alpha_y: 0.4, light_shape: 'sphere' } ], [ 'brushed', { alpha_y: 0.1 } ] ] ) {
 
@@ -151,10 +152,10 @@ await withWorld( async ( { service, open } ) => {
 
 	}
 
-	// The same model on both sides gives no difference.
+	// With the same model on both sides, there is no difference.
 	await shown( { table: reflected, against: reflected, show: 'difference' } );
 	const same = Math.max( ...( await pixels( null, PLACES ) ).flat() );
-	// A link may name `normals` on the right side. It must not appear in the list of tables.
+	// A link can name `normals` for the right side. It must not be in the list of tables.
 	await shown( { table: reflected, against: 'normals' } );
 	const [ beside, tables ] = [ await page.locator( '#against option:checked' ).innerText(), await page.locator( '#model option' ).allInnerTexts() ];
 	await shown( { table: sheen, against: reflected } );

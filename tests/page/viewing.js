@@ -1,4 +1,4 @@
-// Using the viewer: drag, add and remove lights, reload the link, lose the WebGL context.
+// Uses the viewer: drags, adds and removes lights, reloads the link, and loses the WebGL context.
 
 import { SMALL, withWorld } from './world.js';
 
@@ -17,7 +17,7 @@ await withWorld( async ( { service, open } ) => {
 	} );
 	await page.locator( '.page-viewer .facts' ).waitFor();
 
-	// Drag the camera and the light. Reloading the page shows the same scene.
+	// Drags the camera and the light. Reloading the page shows the same scene.
 	const stage = await page.locator( '.stage svg' ).boundingBox();
 	const drag = async ( x, y ) => {
 
@@ -42,7 +42,7 @@ await withWorld( async ( { service, open } ) => {
 	await page.locator( '#view-light_x' ).waitFor();
 	const kept = await page.locator( '#view-light_x' ).inputValue() === value && await page.locator( '#view-split' ).inputValue() === '0.3' && await page.evaluate( () => location.hash ) === hash;
 	await page.locator( '#view-split' ).fill( '0.5' );
-	// Add a light, make it a tube, drag it away from the camera, and remove it.
+	// Adds a light, makes it a tube, drags it away from the camera, and removes it.
 	await page.getByRole( 'button', { name: 'Add' } ).click();
 	await page.locator( '#view-light_shape' ).selectOption( 'tube' );
 	const outlines = await page.locator( '.stage polygon' ).count();
@@ -58,7 +58,7 @@ await withWorld( async ( { service, open } ) => {
 	await page.waitForFunction( () => document.querySelectorAll( '.stage polygon' ).length < 2 );
 	const left = await page.locator( '.stage polygon' ).count();
 
-	// A restored context shows the same image as before.
+	// After the context is restored, the image is the same as before.
 	const beforeLoss = await bytes();
 	await page.evaluate( () => {
 

@@ -1,4 +1,4 @@
-//! The digests that `tests/cli/same_bytes.rs` pins for the command, for any processor of the compiler's target.
+//! Checks the digests that `tests/cli/same_bytes.rs` pins for the command, on any target processor of the compiler.
 
 use std::ops::ControlFlow;
 

@@ -1,4 +1,5 @@
-//! The binary as its users have it: the command, the service, its page and pictures, and several processes on one database.
+//! Tests the binary as users have it: the command, the service, its page and pictures, and several processes on one
+//! database.
 
 #[path = "../cli/mod.rs"]
 mod cli;

@@ -1,4 +1,4 @@
-//! Pictures over HTTP.
+//! Tests pictures over HTTP.
 
 use std::{
     fs,
@@ -16,12 +16,12 @@ use crate::common::{
 };
 use serde_json::Value;
 
-/// A service whose previews the CPU renders, the same on every machine.
+/// A service that renders previews on the CPU, so they are the same on every machine.
 fn start() -> (tempfile::TempDir, Server) {
     start_with(&[])
 }
 
-/// One that also takes pictures of minutes.
+/// A service that also accepts pictures that take minutes.
 fn start_patient() -> (tempfile::TempDir, Server) {
     start_with(&["--picture-seconds", "86400"])
 }
@@ -32,7 +32,7 @@ fn start_with(more: &[&str]) -> (tempfile::TempDir, Server) {
     (folder, server)
 }
 
-/// Width and height of a PNG whose every row decodes.
+/// The width and height of a PNG. All its rows must decode.
 fn size(png: &[u8]) -> (u32, u32) {
     let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().expect("a PNG");
     let mut pixels = vec![0; reader.output_buffer_size().expect("a picture")];
@@ -46,7 +46,7 @@ fn tag(answer: &Answer) -> String {
 }
 
 #[test]
-fn a_picture_has_its_size_and_its_name() {
+fn a_picture_has_its_size_and_entity_tag() {
     let (folder, server) = start();
     let digest = server.fit(SMALL);
     let query = format!("size=64&spp=2&mode=strip&table={digest}");
@@ -56,12 +56,12 @@ fn a_picture_has_its_size_and_its_name() {
     let (width, height) = size(&first.body);
     assert!(width > 3 * 64 && height > 64, "{width} x {height}");
 
-    // Order, defaults and the digest's prefix make no other picture.
+    // The order of parameters, explicit defaults and the digest's prefix do not change the picture.
     let hex = digest.trim_start_matches("sha256:");
     let same = format!("/v1/preview?table={hex}&mode=strip&spp=2&scene=sphere&exposure=1.0&size=64");
     let again = server.get(&same).with_status(200);
     assert_eq!((tag(&again), &again.body), (tag(&first), &first.body));
-    // Parameters that a mode does not show change no picture either.
+    // Parameters that a mode does not show do not change the picture either.
     let plain = |rest: &str| tag(&server.get(&format!("/v1/preview?size=64&table={digest}{rest}")).with_status(200));
     assert_eq!(plain("&spp=2&theta=0.5&difference_scale=1"), plain(""));
     assert_ne!(plain("&exposure=2"), plain(""));
@@ -70,7 +70,7 @@ fn a_picture_has_its_size_and_its_name() {
     assert_ne!(tag(&other), tag(&first));
     assert_ne!(other.body, first.body);
 
-    // Another process renders the same bytes under the same name.
+    // Another process renders the same bytes with the same entity tag.
     let known = [("if-none-match", tag(&first))];
     let known = known.each_ref().map(|(name, value)| (*name, value.as_str()));
     let path = format!("/v1/preview?{query}");
@@ -102,7 +102,7 @@ fn without_a_digest_the_newest_table_is_shown() {
 }
 
 #[test]
-fn a_table_s_plots_are_pictures_under_their_own_names() {
+fn plots_of_a_table_are_pictures_with_their_own_entity_tags() {
     let (_folder, server) = start();
     let digest = server.fit(SMALL);
     let plot = |rest: &str| server.get(&format!("/v1/tables/{digest}/plots/{rest}"));
@@ -117,7 +117,7 @@ fn a_table_s_plots_are_pictures_under_their_own_names() {
     assert_eq!((tag(&usual), &usual.body), (tag(&errors), &errors.body));
     let other = plot("error.png?ratio=1").with_status(200);
     assert_ne!((tag(&other), &other.body), (tag(&errors), &errors.body));
-    // The same as numbers: those of its report are the means of all configurations, these of a slice.
+    // The errors as numbers. A report has the means over all configurations, and these numbers are for a slice.
     let numbers = plot("error.json").with_status(200);
     assert_eq!(numbers.header("content-type"), Some("application/json"));
     assert_ne!(tag(&numbers), tag(&errors));
@@ -132,7 +132,7 @@ fn a_table_s_plots_are_pictures_under_their_own_names() {
         let is_whole = |row: &Value| row.as_array().is_some_and(|row| row.len() == 40 && row.iter().all(Value::is_f64));
         assert!(rows.len() == 40 && rows.iter().all(is_whole), "{of}");
     }
-    // Known before it is drawn again.
+    // The tag is known before the picture is drawn again.
     let known = tag(&matrix);
     let path = format!("/v1/tables/{digest}/plots/matrix.png");
     assert!(server.request("GET", &path, &[("if-none-match", &known)], None).with_status(304).body.is_empty());
@@ -154,7 +154,7 @@ fn a_table_s_plots_are_pictures_under_their_own_names() {
 }
 
 #[test]
-fn every_fault_of_a_query_is_told() {
+fn every_fault_of_a_query_is_reported() {
     let (_folder, server) = start();
     let query = "table=xyz&size=63&colour=red&f0=1,2&spp=4&spp=4&light=cube&phi=NaN";
     let problem = server.get(&format!("/v1/preview?{query}")).with_status(422).json();
@@ -169,11 +169,11 @@ fn every_fault_of_a_query_is_told() {
 }
 
 #[test]
-fn a_full_queue_refuses_and_clients_that_go_make_room() {
+fn a_full_queue_rejects_requests_until_clients_disconnect() {
     let (_folder, server) = start_patient();
     let table = server.fit(SMALL);
     let address = server.url.strip_prefix("http://").expect("an address").to_owned();
-    // Nine hold whatever comes first: one is rendered and eight wait. None ends soon.
+    // Nine requests are accepted: one is rendered and eight wait. None of them ends soon.
     let mut asked: Vec<TcpStream> = (0..10)
         .map(|n| {
             let mut stream = TcpStream::connect(&address).expect("a connection");
@@ -213,7 +213,7 @@ fn fitting_goes_on_while_a_picture_is_rendered() {
     let table = server.fit(SMALL);
     let address = server.url.strip_prefix("http://").expect("an address").to_owned();
     let mut stream = TcpStream::connect(&address).expect("a connection");
-    // Minutes of work.
+    // This picture takes minutes.
     let query = format!("mode=reference&size=2048&spp=4096&table={table}");
     write!(stream, "GET /v1/preview?{query} HTTP/1.1\r\nhost: {address}\r\n\r\n").expect("a request");
     assert_ne!(server.fit(&SMALL.replace("\"steps\":5", "\"steps\":2")), table);
@@ -222,7 +222,7 @@ fn fitting_goes_on_while_a_picture_is_rendered() {
 }
 
 #[test]
-fn a_fresh_service_refuses_the_most_expensive_picture_and_stops_in_the_middle_of_one() {
+fn a_fresh_service_rejects_the_most_expensive_picture_and_can_stop_while_rendering() {
     let (_folder, server) = start_with(&["--picture-seconds", "1"]);
     let table = server.fit(SMALL);
     let most_expensive = format!("/v1/preview?mode=strip&size=2048&spp=4096&table={table}");
@@ -237,12 +237,12 @@ fn a_fresh_service_refuses_the_most_expensive_picture_and_stops_in_the_middle_of
     let mut stream = TcpStream::connect(&address).expect("a connection");
     let query = format!("mode=strip&size=2048&spp=4096&table={table}");
     write!(stream, "GET /v1/preview?{query} HTTP/1.1\r\nhost: {address}\r\n\r\n").expect("a request");
-    // The renderer is busy once a cheap picture waits for it; the client of that one goes.
+    // The renderer is busy once a cheap picture waits for it. The client of the cheap picture then disconnects.
     let mut size = 63;
     eventually("a busy renderer", || {
         let mut waiting = TcpStream::connect(&address).ok()?;
         waiting.set_read_timeout(Some(Duration::from_millis(200))).ok()?;
-        // Not one that is in memory.
+        // The size must not be that of a cached picture.
         size += 1;
         write!(waiting, "GET /v1/preview?size={size}&table={table} HTTP/1.1\r\nhost: {address}\r\n\r\n").ok()?;
         waiting.read(&mut [0; 16]).is_err().then_some(())
@@ -251,7 +251,7 @@ fn a_fresh_service_refuses_the_most_expensive_picture_and_stops_in_the_middle_of
     assert!(!ended.stderr.contains("the render thread did not end"), "{ended:#?}");
 }
 
-/// Mesa complains of no display where there is no runtime folder, as on servers.
+/// Without a runtime folder, as on servers, Mesa complains that there is no display.
 #[test]
 fn the_command_keeps_vulkan_quiet_without_a_runtime_folder() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -270,9 +270,9 @@ fn the_command_keeps_vulkan_quiet_without_a_runtime_folder() {
     }
 }
 
-/// A table of few alphas and ratios shows its nearest entry for others, and the command says so.
+/// A table with few alphas and ratios shows its nearest entry for other materials, and the command reports it.
 #[test]
-fn materials_outside_the_table_are_told_and_marked() {
+fn materials_outside_the_table_are_reported_and_marked() {
     let folder = tempfile::tempdir().expect("a folder");
     let narrow = SMALL.replacen('{', r#"{"range":{"alpha":[0.2,0.5],"ratio":[0.3,1]},"#, 1);
     let fitted = run_with_stdin(folder.path(), ["fit", "-"], &narrow).exited(0);
@@ -283,7 +283,7 @@ fn materials_outside_the_table_are_told_and_marked() {
     };
     let (inside, plain) = told(&["--alpha-x", "0.2", "--alpha-y", "0.4"]);
     assert!(!inside.stderr.contains("outside"), "{inside:#?}");
-    // The nearest entry is that of alpha 0.5, ratio 1; only the label differs.
+    // The nearest entry is at alpha 0.5, ratio 1. Only the label differs.
     let (at_the_end, unmarked) = told(&["--alpha-x", "0.5", "--alpha-y", "0.5"]);
     assert!(!at_the_end.stderr.contains("outside"), "{at_the_end:#?}");
     let (beyond, marked) = told(&["--alpha-x", "0.9", "--alpha-y", "0.9"]);
@@ -296,9 +296,9 @@ fn materials_outside_the_table_are_told_and_marked() {
     assert_eq!(outside, [&Value::from(0.25), &0.02.into(), &1.0.into()]);
 }
 
-/// With what renders by default: a GPU, lavapipe, or without either the CPU.
+/// Uses the default renderer: a GPU, lavapipe, or the CPU if there is neither.
 #[test]
-fn the_service_renders_with_the_adapter_that_there_is() {
+fn the_service_renders_with_the_available_adapter() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     let table = server.fit(SMALL);
@@ -313,7 +313,7 @@ fn the_service_renders_with_the_adapter_that_there_is() {
     server.request("GET", &path, &known, None).with_status(304);
     assert_eq!(server.stop("TERM").code, Some(0));
 
-    // The same adapter, the same bytes under the same name, which is not that of the CPU's picture.
+    // The same adapter gives the same bytes with the same entity tag, which differs from that of the CPU's picture.
     let server = Server::start(folder.path(), &[]);
     let again = server.get(&path).with_status(200);
     assert_eq!((tag(&again), &again.body), (tag(&first), &first.body));

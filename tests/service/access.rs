@@ -1,4 +1,4 @@
-//! Access: host names and origins, tokens and their scopes, and log lines without secrets.
+//! Access: host names and origins, tokens and their scopes, and logs without secrets.
 
 use std::{
     fs,
@@ -18,7 +18,7 @@ use crate::common::{
     server::{Answer, Server, text},
 };
 
-/// A new token: its secret, and its line for the service.
+/// A new token: the secret, and the line for the service.
 fn token(name: &str, scope: &str) -> (String, String) {
     let folder = tempfile::tempdir().expect("a folder");
     let made = run(folder.path(), ["token", "new", name, "--scope", scope, "--json"]).exited(0);
@@ -42,7 +42,7 @@ fn the_log_names_requests_and_shows_no_secret() {
     );
     let named = server.request("GET", "/healthz", &[("x-request-id", "from-proxy.7")], None);
     assert_eq!(named.header("x-request-id"), Some("from-proxy.7"));
-    // The log must not contain a token that a client put into the address by mistake.
+    // The log must not contain a token that a client put into the URL by mistake.
     server.get(&format!("/healthz?token={farm}")).with_status(400);
     let other = server.request("GET", "/healthz", &[("x-request-id", "no name")], None);
     assert!(other.header("x-request-id").is_some_and(|name| name != "no name"), "{other:?}");
@@ -54,8 +54,8 @@ fn the_log_names_requests_and_shows_no_secret() {
     assert!(!log.contains(&farm), "a secret is in the log");
 }
 
-/// If a FIFO replaces the file of tokens, requests still work, and so does the next change. A revoked token loses its
-/// streams.
+/// If a FIFO replaces the token file, requests still work, and the next change is still noticed. The streams of a
+/// revoked token end.
 #[test]
 fn an_event_stream_ends_with_its_token() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -91,15 +91,15 @@ fn an_event_stream_ends_with_its_token() {
 }
 
 #[test]
-fn an_address_that_others_reach_is_not_opened_without_tokens() {
+fn a_public_address_is_not_opened_without_tokens() {
     let folder = tempfile::tempdir().expect("a folder");
     let refused = run(folder.path(), ["serve", "--listen", "0.0.0.0:0"]).exited(2);
     assert!(refused.complaints()[0].contains("--allow-anyone"), "{refused:?}");
-    assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 0, "nothing was made");
+    assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 0, "a file was made");
 }
 
 #[test]
-fn tokens_open_what_their_scopes_say_and_jobs_tell_who() {
+fn tokens_allow_their_scopes_and_jobs_name_the_user() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("tokens");
     let (reader, reader_kept) = token("viewer", "read");
@@ -134,7 +134,7 @@ fn tokens_open_what_their_scopes_say_and_jobs_tell_who() {
     let table = call(&server, "GET", &format!("/v1/tables/{table}"), &reader, None).with_status(200);
     assert!(
         table.header("cache-control").is_some_and(|field| field.starts_with("private,")),
-        "no cache for all has it"
+        "a shared cache may store it"
     );
     assert_eq!(table.header("x-content-type-options"), Some("nosniff"));
     let long = br#"{"preset":"best","resolution":{"alpha":16,"ratio":16,"theta":16,"phi":16}}"#;
@@ -167,14 +167,14 @@ fn tokens_open_what_their_scopes_say_and_jobs_tell_who() {
         assert!(!ended.stderr.contains(secret.as_str()), "{}", ended.stderr);
     }
 
-    // After a restart, the service still knows who submitted and cancelled a job.
+    // After a restart, the service still knows who submitted and who cancelled a job.
     let server = Server::start(&folder.path().join("data"), &flags);
     let job = call(&server, "GET", &long, &farm, None).with_status(200).json();
     assert_eq!((&job["submitted_by"], &job["cancelled_by"]), (&"farm".into(), &"root".into()));
 }
 
 #[test]
-fn pages_of_allowed_origins_read_answers_and_no_others() {
+fn only_pages_of_allowed_origins_can_read_responses() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &["--allow-origin", "https://wiki.example"]);
     let page = server.request("GET", "/v1/jobs", &[("origin", "https://wiki.example")], None).with_status(200);

@@ -1,4 +1,4 @@
-//! Bad input gets a clear error, and nothing is lost.
+//! Invalid input gets a clear error, and nothing is lost.
 
 use crate::common::{
     SMALL,
@@ -6,7 +6,7 @@ use crate::common::{
     server::{Answer, Server},
 };
 
-/// The JSON pointers in the errors of a rejected recipe.
+/// The JSON pointers in the errors for a rejected recipe.
 #[track_caller]
 fn pointers(answer: &Answer) -> Vec<String> {
     let problem = answer.json();
@@ -15,7 +15,7 @@ fn pointers(answer: &Answer) -> Vec<String> {
 }
 
 #[test]
-fn each_fault_of_a_recipe_is_pointed_at() {
+fn each_fault_of_a_recipe_has_a_json_pointer() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     let cases = [
@@ -53,7 +53,7 @@ fn each_fault_of_a_recipe_is_pointed_at() {
 }
 
 #[test]
-fn all_faults_are_told_at_once() {
+fn all_faults_are_reported_at_once() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     let recipe = r#"{"preset":"draft","colour":1,"resolution":{"alpha":0},"range":{"theta":[1,0],"ratio":[0,0.00001]},"fit":{"samples":0}}"#;
@@ -63,9 +63,9 @@ fn all_faults_are_told_at_once() {
     }
 }
 
-/// Previews of a sheen table reject models that exist only for GGX.
+/// For a sheen table, previews reject models that only support GGX.
 #[test]
-fn models_of_ggx_are_refused_beside_a_table_of_another_scattering_model() {
+fn models_for_ggx_are_rejected_for_tables_of_another_scattering_model() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     let refused = server.submit(r#"{"brdf":"charlie","layout":"reflected","range":{"ratio":[0,1]}}"#).with_status(422);
@@ -91,14 +91,14 @@ fn a_long_list_of_faults_is_cut() {
     let refused = server.submit(&format!("{{{}}}", fields.join(","))).with_status(422);
     assert_eq!(pointers(&refused).len(), 100);
     let detail = refused.json()["detail"].to_string();
-    assert!(detail.contains("150 faults") && detail.contains("50 more"), "{detail}");
+    assert!(detail.contains("150 faults") && detail.contains("50 are omitted"), "{detail}");
     let query: Vec<String> = (0..150).map(|number| format!("x{number}=1")).collect();
     let refused = server.get(&format!("/v1/preview?{}", query.join("&"))).with_status(422).json();
     assert_eq!(refused["errors"].as_array().map(Vec::len), Some(100), "{}", refused["detail"]);
 }
 
 #[test]
-fn what_is_not_json_or_too_long_or_of_another_type_is_refused() {
+fn invalid_json_long_bodies_and_other_types_are_rejected() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     for text in ["", "{", "preset: draft", r#"{"preset":"draft","range":{"alpha":[NaN,1]}}"#, "{} {}", "\u{0}"] {
@@ -114,11 +114,11 @@ fn what_is_not_json_or_too_long_or_of_another_type_is_refused() {
     let post = |fields: &[(&str, &str)]| server.request("POST", "/v1/jobs", fields, Some(SMALL.as_bytes()));
     assert_eq!(post(&[("content-type", "text/plain")]).with_status(415).json()["type"], "/problems/not-json-type");
     assert!(post(&[("content-type", "application/recipe+json")]).status < 300);
-    assert!(post(&[]).status < 300, "a missing content type is JSON");
+    assert!(post(&[]).status < 300, "without a content type, the body is JSON");
 }
 
 #[test]
-fn ids_and_parameters_are_refused_by_name() {
+fn invalid_ids_and_parameters_are_named() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     let (id, digest) = ("0".repeat(32), "0".repeat(64));
@@ -172,7 +172,7 @@ fn every_fault_of_a_plot_s_parameters_is_listed() {
     let cases: [(&str, &[(&str, &str)]); 5] = [
         (
             "error.png?ratio=1.5&phi=x&colour=red&ratio=0.5",
-            &[("ratio", "«1.5»"), ("phi", "«x»"), ("colour", "ratio, phi"), ("ratio", "more than once")],
+            &[("ratio", "«1.5»"), ("phi", "«x»"), ("colour", "ratio and phi"), ("ratio", "more than once")],
         ),
         ("error.png?phi=NaN", &[("phi", "«NaN»")]),
         ("error.png?ratio=", &[("ratio", "«»")]),
@@ -199,43 +199,43 @@ fn every_fault_of_a_plot_s_parameters_is_listed() {
 }
 
 #[test]
-fn a_full_queue_asks_to_come_back() {
+fn a_full_queue_asks_clients_to_retry() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &["--queue-limit", "1"]);
     let id = server.submit(crate::common::ENDLESS).with_status(202).json()["id"].clone();
     let refused = server.submit(SMALL).with_status(429);
     assert!(refused.header("retry-after").is_some());
     let joined = server.submit(crate::common::ENDLESS).with_status(202).json();
-    assert_eq!(joined["id"], id, "an equal recipe takes no second place");
+    assert_eq!(joined["id"], id, "an equal recipe must join the same job");
 }
 
 #[test]
-fn a_limit_on_entries_is_the_operators() {
+fn the_operator_sets_the_limit_on_entries() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &["--entry-limit", "15"]);
     assert_eq!(server.submit(SMALL).with_status(422).json()["type"], "/problems/bad-recipe");
 }
 
-/// The line that says why a service does not start.
+/// The line that explains why a service does not start.
 #[track_caller]
 fn complaint(data: &std::path::Path, listen: &str) -> String {
     let data = data.to_str().expect("a path in UTF-8");
     let folder = tempfile::tempdir().expect("a folder");
     let ended = run(folder.path(), ["serve", "--listen", listen, "--data", data]).exited(1);
     assert_eq!(ended.complaints().len(), 1, "{ended:#?}");
-    assert_eq!(ended.stdout, "", "a service that does not start announces nothing");
+    assert_eq!(ended.stdout, "", "a service that does not start must not print its address");
     ended.complaints()[0].to_owned()
 }
 
 #[test]
-fn a_service_that_cannot_start_says_which_thing_it_lacks() {
+fn a_service_that_cannot_start_names_the_reason() {
     let folder = tempfile::tempdir().expect("a folder");
     let (one, other) = (folder.path().join("one"), folder.path().join("other"));
     let server = Server::start(&one, &[]);
     let address = server.url.strip_prefix("http://").expect("an http URL");
 
     let taken = complaint(&other, address);
-    assert!(taken.contains(address) && taken.contains("the port is taken"), "{taken}");
+    assert!(taken.contains(address) && taken.contains("the port is already in use"), "{taken}");
     let locked = complaint(&one, "127.0.0.1:0");
     assert!(locked.contains("in use by another process") && locked.contains(one.to_str().expect("UTF-8")), "{locked}");
 
@@ -245,5 +245,5 @@ fn a_service_that_cannot_start_says_which_thing_it_lacks() {
     let unusable = complaint(&file.join("data"), "127.0.0.1:0");
     assert!(unusable.contains("cannot be used") && unusable.contains("file/data"), "{unusable}");
 
-    assert_eq!(server.get("/healthz").status, 200, "the first service goes on");
+    assert_eq!(server.get("/healthz").status, 200, "the first service must keep running");
 }

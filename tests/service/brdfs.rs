@@ -1,4 +1,4 @@
-//! Tabulated BRDFs over HTTP: sent, named, kept.
+//! Tabulated BRDFs over HTTP: uploading, naming and keeping them.
 
 use std::{
     fs,
@@ -18,7 +18,7 @@ use crate::common::{
 
 pub(crate) const OCTETS: (&str, &str) = ("content-type", "application/octet-stream");
 
-/// The recipe of a file, small and with one row of views.
+/// A small recipe for a file, with one row of views.
 fn recipe(name: &str) -> String {
     format!(
         r#"{{"brdf": "tabulated", "tabulated": "{name}", "resolution": {{"alpha": 2, "theta": 3}},
@@ -27,7 +27,7 @@ fn recipe(name: &str) -> String {
 }
 
 #[test]
-fn a_file_that_was_sent_is_fitted_and_survives_a_kill() {
+fn an_uploaded_file_is_fitted_and_survives_a_kill() {
     let folder = tempfile::tempdir().expect("a folder");
     let (here, data) = (folder.path(), folder.path().join("data"));
     let made = run(here, ["tabulate", "oren_nayar", "--alpha", "0.2,1", "-o", "eon.safetensors"]).exited(0);
@@ -59,12 +59,12 @@ fn a_file_that_was_sent_is_fitted_and_survives_a_kill() {
     let manifest = server.get(&format!("/v1/tables/{table}/manifest")).with_status(200).json();
     assert_eq!(text(&manifest["tabulated"]["file"]), digest);
     assert_eq!(text(&manifest["recipe"]["tabulated"]), digest);
-    // Whoever has neither file refits the table.
+    // The table can be refitted on a machine that has neither file.
     let elsewhere = tempfile::tempdir().expect("a folder");
     let address = format!("{}/v1/tables/{table}", server.url);
     let told = run(elsewhere.path(), ["verify", &address, "--refit"]).exited(0);
     assert!(told.stdout.contains("and fitting its recipe gives the same bytes"), "{told:#?}");
-    // A table is no BRDF, and a BRDF no table.
+    // A table is not a BRDF, and a BRDF is not a table.
     server.get(&format!("/v1/brdfs/{table}")).with_status(404);
     for of_table in ["", "/manifest", "/exports", "/exports/three", "/plots/matrix.png"] {
         let path = format!("/v1/tables/{digest}{of_table}");
@@ -79,7 +79,7 @@ fn a_file_that_was_sent_is_fitted_and_survives_a_kill() {
 
     let server = Server::start(&data, &[]);
     assert_eq!(server.get(&format!("/v1/brdfs/{digest}")).with_status(200).body, bytes);
-    // The command line sends the file that a recipe names by its path.
+    // The command line uploads the file that a recipe names by path.
     fs::write(here.join("recipe.json"), recipe("eon.safetensors").replace("64", "65")).expect("a recipe");
     let watched = run(here, ["jobs", "submit", "recipe.json", "--watch", "--server", &server.url]).exited(0);
     assert_ne!(watched.last_line(), table);
@@ -111,7 +111,8 @@ fn a_bad_file_is_refused_with_all_its_faults() {
     server.get(&format!("/v1/brdfs/{}", "0".repeat(64))).with_status(404);
 }
 
-/// A file of 60 MB with one tensor, where the store keeps it: by the name `value` a tabulated BRDF, by others a table.
+/// Plants a file of 60 MB with one tensor in the store. It is a tabulated BRDF if the tensor is named `value`, and
+/// otherwise a table.
 fn plant_large(data: &Path, tensor: &str) -> (Digest, Vec<u8>) {
     let numbers = 15 << 20;
     let header = format!(r#"{{"{tensor}":{{"dtype":"F32","shape":[{numbers}],"data_offsets":[0,{}]}}}}"#, 4 * numbers);
@@ -124,7 +125,7 @@ fn plant_large(data: &Path, tensor: &str) -> (Digest, Vec<u8>) {
     (digest, bytes)
 }
 
-/// A connection on which a whole download has begun, and what was read of it.
+/// A connection that has started to download the whole file, and the bytes that were read from it.
 fn begun(server: &Server, path: &str) -> (TcpStream, Vec<u8>) {
     let address = server.url.strip_prefix("http://").expect("an address");
     let mut client = TcpStream::connect(address).expect("a connection");
@@ -152,7 +153,7 @@ fn a_large_file_is_sent_in_parts_within_bounded_memory() {
             });
         }
     });
-    // They are at work on whole downloads at the same time, which no client reads on.
+    // The service is busy with several whole downloads at the same time. No client reads them.
     let unread: Vec<TcpStream> = (0..16).map(|_| begun(&server, &path).0).collect();
     assert!(server.get(&path).with_status(200).body == bytes);
     drop(unread);
@@ -160,7 +161,7 @@ fn a_large_file_is_sent_in_parts_within_bounded_memory() {
     assert!(grown < 8, "{grown} times the file");
 }
 
-/// Four files are read whole at once. Clients that wait for that and leave are not waited for.
+/// The service reads at most four files completely at the same time. It does not wait for clients that have left.
 #[test]
 fn no_file_is_read_for_clients_that_have_left() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -179,7 +180,7 @@ fn no_file_is_read_for_clients_that_have_left() {
 }
 
 #[test]
-fn what_was_sent_is_not_sent_back_at_length() {
+fn long_input_is_not_repeated_in_responses() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     let many: Vec<String> =
@@ -223,7 +224,7 @@ fn a_client_that_reads_slowly_but_steadily_is_not_cut() {
     let (digest, bytes) = plant_large(folder.path(), "value");
     let server = Server::start(folder.path(), &["--client-seconds", "1"]);
     let (mut client, mut answer) = begun(&server, &format!("/v1/brdfs/{digest}"));
-    // 320 kB a second for three times the limit; the pace is what is tested.
+    // 320 kB per second, for three times the limit. This tests the pace.
     for _ in 0..60 {
         thread::sleep(Duration::from_millis(50));
         let mut part = [0; 16 << 10];
@@ -235,7 +236,7 @@ fn a_client_that_reads_slowly_but_steadily_is_not_cut() {
 }
 
 #[test]
-fn stored_files_are_counted_listed_and_deleted_where_nothing_names_them() {
+fn stored_files_are_counted_and_listed_and_unused_files_are_deleted() {
     let folder = tempfile::tempdir().expect("a folder");
     let (here, data) = (folder.path(), folder.path().join("data"));
     let made = ["0.2,1", "0.3,1", "0.4,1"].map(|alpha| {
@@ -266,15 +267,15 @@ fn stored_files_are_counted_listed_and_deleted_where_nothing_names_them() {
             }
         }
     };
-    assert_eq!(listed(&server), [other.as_str(), fitted], "newest first, and no table");
+    assert_eq!(listed(&server), [other.as_str(), fitted], "newest first, without tables");
     let row = &server.get("/v1/brdfs?limit=1").with_status(200).json()["items"][0];
     assert_eq!(row["bytes"], other_bytes.len());
 
     let delete = |server: &Server, digest: &str| server.request("DELETE", &format!("/v1/brdfs/{digest}"), &[], None);
     assert_eq!(text(&delete(&server, fitted).with_status(409).json()["type"]), "/problems/brdf-in-use");
-    // No page of a table is one of a BRDF.
+    // A table cannot be deleted through the BRDF paths.
     delete(&server, &table).with_status(404);
-    // A job that waits names it, a cancelled one does not.
+    // A waiting job uses the file. A cancelled job does not.
     let slow = recipe(other).replace("\"samples\": 64", "\"samples\": 4096").replace("\"theta\": 3", "\"theta\": 2000");
     let job = server.submit(&slow).with_status(202).json();
     delete(&server, other).with_status(409);

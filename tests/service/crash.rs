@@ -1,4 +1,4 @@
-//! A killed service continues an unfinished job where it was.
+//! After a kill, the service continues an unfinished job where it was.
 
 use crate::common::{
     LARGE,
@@ -7,19 +7,19 @@ use crate::common::{
 };
 
 #[test]
-fn a_job_interrupted_by_kill_9_gives_the_same_table_and_fits_no_finished_shard_again() {
+fn a_job_interrupted_by_kill_9_gives_the_same_table_without_refitting_finished_shards() {
     let folder = tempfile::tempdir().expect("a folder");
     let expected = run_with_stdin(folder.path(), ["fit", "-", "-o", "fitted"], LARGE).exited(0);
     let data = folder.path().join("data");
 
-    // One worker: when half of the entries are done, some shards are finished and others have not started.
+    // There is one worker. When half of the entries are done, some shards are finished and others have not started.
     let server = Server::start(&data, &["--workers", "1"]);
     let id = text(&server.submit(LARGE).with_status(202).json()["id"]).to_owned();
     let half = |job: &serde_json::Value| {
         job["progress"]["entries_done"].as_u64() >= job["progress"]["entries_total"].as_u64().map(|total| total / 2)
     };
     let job = server.job_when(&id, half);
-    assert_eq!(job["state"], "running", "the job was over before it could be interrupted");
+    assert_eq!(job["state"], "running", "the job was finished before it could be interrupted");
     let total = job["progress"]["entries_total"].as_u64().expect("a count");
     server.kill();
 
@@ -31,7 +31,7 @@ fn a_job_interrupted_by_kill_9_gives_the_same_table_and_fits_no_finished_shard_a
 }
 
 #[test]
-fn a_job_stopped_in_the_middle_goes_on_after_the_restart() {
+fn a_job_stopped_in_the_middle_continues_after_the_restart() {
     let folder = tempfile::tempdir().expect("a folder");
     let data = folder.path().join("data");
     let server = Server::start(&data, &["--workers", "1"]);
@@ -42,7 +42,7 @@ fn a_job_stopped_in_the_middle_goes_on_after_the_restart() {
     let expected = run_with_stdin(folder.path(), ["fit", "-", "-o", "fitted"], LARGE).exited(0);
     let server = Server::start(&data, &[]);
     assert_eq!(server.finished(&id)["table"], expected.last_line());
-    assert_ne!(server.metric("ltcforge_entries_fitted_total"), 0, "the job was over before it could be stopped");
+    assert_ne!(server.metric("ltcforge_entries_fitted_total"), 0, "the job was finished before it could be stopped");
 }
 
 /// Killed processes do not count as failures of the job.

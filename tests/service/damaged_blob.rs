@@ -1,4 +1,4 @@
-//! Damaged files are never served. They are made again if possible.
+//! Damaged files are never served. They are created again if possible.
 
 use std::{
     fs,
@@ -18,8 +18,8 @@ fn holding(folder: &Path, bytes: &[u8]) -> Vec<PathBuf> {
     files(folder).into_iter().filter(|path| fs::read(path).is_ok_and(|found| found == bytes)).collect()
 }
 
-/// Fits a table, stops the service, and flips a bit of its file. Returns the digest, the bytes before and after, and the
-/// path.
+/// Fits a table, stops the service, and flips a bit of the table's file. Returns the digest, the bytes before and
+/// after, and the path.
 fn damage(folder: &Path) -> (String, Vec<u8>, Vec<u8>, PathBuf) {
     let server = Server::start(folder, &[]);
     let digest = server.fit(SMALL);
@@ -36,7 +36,7 @@ fn damage(folder: &Path) -> (String, Vec<u8>, Vec<u8>, PathBuf) {
 }
 
 #[test]
-fn a_damaged_table_is_moved_aside_told_and_fitted_again() {
+fn a_damaged_table_is_quarantined_reported_and_fitted_again() {
     let folder = tempfile::tempdir().expect("a folder");
     let (digest, good, bad, blob) = damage(folder.path());
     let path = format!("/v1/tables/{digest}");
@@ -44,8 +44,8 @@ fn a_damaged_table_is_moved_aside_told_and_fitted_again() {
     assert_eq!(server.get(&path).with_status(500).json()["type"], "/problems/damaged-blob");
     assert_eq!(server.metric("ltcforge_blobs_corrupt_total"), 1);
     let aside = holding(folder.path(), &bad);
-    assert_eq!(aside.len(), 1, "the damaged bytes are kept");
-    assert_ne!(aside, [blob], "and are moved aside");
+    assert_eq!(aside.len(), 1, "the damaged bytes must be kept");
+    assert_ne!(aside, [blob], "in the quarantine folder");
     server.get(&path).with_status(404);
 
     server.submit(SMALL).with_status(202);
@@ -62,12 +62,12 @@ fn the_manifest_of_a_damaged_table_is_not_served() {
     assert_eq!(server.get(&path).with_status(500).json()["type"], "/problems/damaged-blob");
     assert_eq!(server.metric("ltcforge_blobs_corrupt_total"), 1);
     let quarantined = holding(folder.path(), &bad);
-    assert_eq!(quarantined.len(), 1, "the damaged bytes are kept");
-    assert_ne!(quarantined[0], blob, "and are moved to quarantine");
+    assert_eq!(quarantined.len(), 1, "the damaged bytes must be kept");
+    assert_ne!(quarantined[0], blob, "in the quarantine folder");
     server.get(&path).with_status(404);
     assert_eq!(server.get("/v1/tables").with_status(200).json()["items"], serde_json::json!([]));
 
-    // The next equal job makes the table and its manifest again.
+    // The next equal job creates the table and its manifest again.
     assert_eq!(server.fit(SMALL), digest);
     assert_eq!(server.get(&path).with_status(200).json()["table"], digest);
 }

@@ -1,4 +1,4 @@
-//! A full disk: jobs wait for space, and tables can be read.
+//! A full disk: jobs wait for space, and tables can still be read.
 
 use std::{
     fs,
@@ -13,7 +13,7 @@ use crate::common::{
     tell_skipped,
 };
 
-/// A separate file system, unmounted when dropped.
+/// A separate file system. It is unmounted when dropped.
 struct SmallDisk(PathBuf);
 
 impl SmallDisk {
@@ -26,7 +26,7 @@ impl SmallDisk {
 
 impl Drop for SmallDisk {
     fn drop(&mut self) {
-        // The test deletes the folder with its temporary folder. A failed umount is ignored.
+        // The folder is deleted with the temporary folder of the test. A failed umount is ignored.
         let _ = Command::new("umount").arg("-l").arg(&self.0).status();
     }
 }
@@ -39,7 +39,7 @@ fn fill(path: &Path) {
     }
 }
 
-/// A recipe of 720 entries, whose table is larger than the reserve of the store.
+/// A recipe with 720 entries. Its table is larger than the store's reserve.
 fn recipe(seed: u32) -> String {
     format!(
         r#"{{"preset":"draft","resolution":{{"alpha":6,"ratio":5,"theta":6,"phi":4}},
@@ -48,7 +48,7 @@ fn recipe(seed: u32) -> String {
 }
 
 #[test]
-fn on_a_full_disk_jobs_wait_tables_are_served_and_deleted_and_room_heals_the_service() {
+fn on_a_full_disk_jobs_wait_and_tables_are_served_until_there_is_space() {
     let folder = tempfile::tempdir().expect("a folder");
     let Some(disk) = SmallDisk::mount(&folder.path().join("disk")) else {
         return tell_skipped("no right to mount a tmpfs");
@@ -73,7 +73,7 @@ fn on_a_full_disk_jobs_wait_tables_are_served_and_deleted_and_room_heals_the_ser
     full(&server);
     assert_eq!(state(&server).with_status(200).json()["finished_at"], serde_json::Value::Null);
     server.stop("TERM");
-    // After a restart, tables are served and can be deleted. Jobs are known again after a start with enough space.
+    // After a restart, tables are served and can be deleted. Jobs are available again after a start with enough space.
     let server = Server::start(&data, &["--workers", "1"]);
     full(&server);
     state(&server).with_status(404);

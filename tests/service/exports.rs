@@ -1,4 +1,4 @@
-//! Exports over HTTP: the same bytes as `ltcforge export`, made once.
+//! Exports over HTTP: they have the same bytes as `ltcforge export`, and are made only once.
 
 use std::fs;
 
@@ -9,7 +9,7 @@ use crate::common::{
 };
 use ltcforge::files::digest::Digest;
 
-/// The recipe of an isotropic table with few texels.
+/// The recipe for an isotropic table with few texels.
 const ISOTROPIC: &str = r#"{"layout":"ltc2017","resolution":{"alpha":2,"theta":2},
     "fit":{"samples":64,"directions":4,"steps":5}}"#;
 
@@ -18,7 +18,7 @@ fn exports(digest: &str) -> String {
 }
 
 #[test]
-fn an_export_is_what_the_command_writes_and_is_made_once() {
+fn an_export_equals_the_files_of_the_command_and_is_made_once() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(&folder.path().join("data"), &[]);
     let digest = server.fit(SMALL);
@@ -31,7 +31,7 @@ fn an_export_is_what_the_command_writes_and_is_made_once() {
     assert!(names.contains(&"wgpu") && names.contains(&"reflected-array.ktx2-zstd.f16"), "{names:?}");
     assert!(names.contains(&"compact") && names.contains(&"compact-rust"), "{names:?}");
     assert!(!names.contains(&"three") && !names.iter().any(|name| name.starts_with("kt2022")), "{names:?}");
-    assert_eq!(server.metric("ltcforge_exports_total"), 0, "a list makes none");
+    assert_eq!(server.metric("ltcforge_exports_total"), 0, "listing exports must not make them");
 
     for (name, words) in [
         ("wgpu", &["--for", "wgpu"][..]),
@@ -57,10 +57,10 @@ fn an_export_is_what_the_command_writes_and_is_made_once() {
             assert_eq!(answer.header("cache-control"), Some("public, max-age=31536000, immutable"));
         }
     }
-    assert_eq!(server.metric("ltcforge_exports_total"), 6, "each was made once");
+    assert_eq!(server.metric("ltcforge_exports_total"), 6, "an export was made more than once");
 }
 
-/// Babylon needs 64 x 64 texels, in a file inside a folder.
+/// Babylon.js needs 64 x 64 texels. Its file is inside a folder.
 #[test]
 fn a_file_in_a_folder_of_an_export_is_served() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -77,7 +77,7 @@ fn a_file_in_a_folder_of_an_export_is_served() {
 }
 
 #[test]
-fn a_file_of_an_export_comes_in_parts_and_only_when_needed() {
+fn a_file_of_an_export_supports_ranges_and_conditions() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     let digest = server.fit(SMALL);
@@ -98,7 +98,7 @@ fn a_file_of_an_export_comes_in_parts_and_only_when_needed() {
     assert_eq!([head.with_status(206).body, tail.with_status(206).body].concat(), whole.body);
     let past = ask("GET", &[("range", &format!("bytes={}-", whole.body.len()))]).with_status(416);
     assert_eq!(past.json()["type"], "/problems/range-not-satisfiable");
-    assert_eq!(server.metric("ltcforge_exports_total"), 1, "it was kept");
+    assert_eq!(server.metric("ltcforge_exports_total"), 1, "the export was made again");
 
     let shown = server.get(&format!("{}/wgpu", exports(&digest))).with_status(200);
     let tag = shown.header("etag").expect("a tag").to_owned();
@@ -107,7 +107,7 @@ fn a_file_of_an_export_comes_in_parts_and_only_when_needed() {
 }
 
 #[test]
-fn what_a_table_cannot_serve_names_the_recipe_that_does() {
+fn errors_of_exports_name_a_recipe_that_works() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     let (own, isotropic) = (server.fit(SMALL), server.fit(ISOTROPIC));
@@ -132,7 +132,7 @@ fn what_a_table_cannot_serve_names_the_recipe_that_does() {
 }
 
 #[test]
-fn what_is_not_there_is_told() {
+fn missing_exports_are_reported() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     let digest = server.fit(SMALL);

@@ -46,9 +46,9 @@ fn a_recipe_becomes_a_table_under_its_hash() {
     assert_eq!(tables["items"][0]["bytes"], file.body.len());
 }
 
-/// Responses with a list of materials also agree with `openapi.yaml`.
+/// Responses that contain a list of materials also agree with `openapi.yaml`.
 #[test]
-fn a_table_of_some_materials_is_known_by_their_one_form() {
+fn equal_lists_of_materials_give_the_same_job() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     let with = |fresnel: &str| SMALL.replacen('{', &format!(r#"{{"fresnel": {fresnel}, "#), 1);
@@ -63,7 +63,7 @@ fn a_table_of_some_materials_is_known_by_their_one_form() {
 }
 
 #[test]
-fn a_table_is_downloaded_in_parts_and_only_when_needed() {
+fn a_table_download_supports_ranges_and_conditions() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     let digest = server.fit(SMALL);
@@ -81,7 +81,7 @@ fn a_table_is_downloaded_in_parts_and_only_when_needed() {
     ask("HEAD", &[("if-none-match", &format!("\"x\", W/{tag}"))]).with_status(304);
     assert_eq!(ask("GET", &[("if-none-match", "\"x\"")]).with_status(200).body, file);
 
-    // If-Match takes precedence over If-None-Match, and compares strongly.
+    // If-Match takes precedence over If-None-Match, and uses strong comparison.
     ask("GET", &[("if-match", &tag)]).with_status(200);
     ask("HEAD", &[("if-match", &format!("W/{tag}"))]).with_status(412);
     let other = ask("GET", &[("if-match", "\"x\""), ("if-none-match", &tag)]).with_status(412);
@@ -99,7 +99,7 @@ fn a_table_is_downloaded_in_parts_and_only_when_needed() {
 
 /// No entity tag matches a resource without one [RFC 9110, section 13.1.1].
 #[test]
-fn a_condition_on_what_has_no_entity_tag_fails() {
+fn conditions_fail_without_an_entity_tag() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     let job = server.submit(ENDLESS).with_status(202).json();
@@ -162,7 +162,7 @@ fn a_cancelled_job_stops_and_can_be_submitted_again() {
 }
 
 #[test]
-fn a_service_that_comes_back_serves_what_it_had() {
+fn a_restarted_service_serves_its_old_tables() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     let digest = server.fit(SMALL);
@@ -198,7 +198,7 @@ fn pages_of_jobs_follow_each_other() {
     assert_eq!(ids.len(), 3);
 }
 
-/// The events of a stream as (name, id, data).
+/// The events of a stream, as (name, id, data).
 fn events(server: &Server, id: &str, last_event_id: Option<&str>) -> (u16, Vec<(String, String, Value)>) {
     let response = server.events(id, last_event_id);
     let status = response.status().as_u16();
@@ -220,21 +220,21 @@ fn events(server: &Server, id: &str, last_event_id: Option<&str>) -> (u16, Vec<(
 #[test]
 fn events_lead_to_the_final_state_and_resume() {
     let folder = tempfile::tempdir().expect("a folder");
-    // With one worker, the job takes long enough for several events, and longer than `--client-seconds`.
+    // With one worker, the job has time for several events, and runs longer than `--client-seconds`.
     let server = Server::start(folder.path(), &["--workers", "1", "--client-seconds", "1"]);
     let id = text(&server.submit(LARGE).with_status(202).json()["id"]).to_owned();
 
     let (_, all) = events(&server, &id, None);
     let (name, last, job) = all.last().expect("events");
     assert_eq!((name.as_str(), &job["state"]), ("state", &Value::from("done")));
-    assert_eq!(all[0].0, "state", "the first event is the present");
+    assert_eq!(all[0].0, "state", "the first event is the current state");
     assert!(all.iter().any(|(name, ..)| name == "progress"), "a job of many entries makes progress");
     let numbers: Vec<u64> = all.iter().map(|(_, number, _)| number.parse().expect("a number")).collect();
     assert!(numbers.is_sorted_by(|a, b| a < b), "{numbers:?}");
     let done: Vec<u64> = all.iter().filter_map(|(.., job)| job["progress"]["entries_done"].as_u64()).collect();
     assert!(done.is_sorted() && done.len() == all.len(), "{done:?}");
 
-    // A client that has the final state gets 204. Other clients get the final state.
+    // A client that already has the final state gets 204. Other clients get the final state.
     assert_eq!(events(&server, &id, Some(last)), (204, vec![]));
     let (_, rest) = events(&server, &id, Some("0"));
     assert_eq!(rest.len(), 1);
@@ -242,7 +242,7 @@ fn events_lead_to_the_final_state_and_resume() {
 }
 
 #[test]
-fn an_open_stream_does_not_hold_up_a_stop() {
+fn an_open_stream_does_not_delay_a_stop() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     let id = text(&server.submit(ENDLESS).with_status(202).json()["id"]).to_owned();

@@ -8,10 +8,11 @@ use crate::common::{
     soak::{Random, four_shards, rounds},
 };
 
-/// Number of kills. Two take about a second.
+/// Number of kills. Two kills take about a second.
 const KILLS: usize = 10;
 
-/// Maximum delay of every fourth kill after the response to a submission. The test does not look at the job before.
+/// Largest delay of every fourth kill, after the response to a submission. For these kills, the test does not wait for
+/// the job's progress.
 const SOON_MILLISECONDS: usize = 40;
 
 #[test]
@@ -29,7 +30,7 @@ fn kills_lose_nothing_that_was_acknowledged() {
         if random.below(4) == 0 {
             thread::sleep(Duration::from_millis(random.below(SOON_MILLISECONDS) as u64));
         } else {
-            // Each time, the job has reached another point: no shard, some shards of 64 entries, or the table.
+            // Each time, the job has reached another point: no shard, some shards of 64 entries each, or the table.
             let wanted = 64 * random.below(5) as u64;
             let job = server.job_when(&id, |job| {
                 job["progress"]["entries_done"].as_u64() >= Some(wanted) || job["state"] == "done"

@@ -1,5 +1,5 @@
 //! Materials other than ideal metals, over HTTP: dielectrics with two lobes, fuzz, metals with F82, and pictures of
-//! materials.
+//! these materials.
 
 use crate::common::server::{Server, text};
 
@@ -12,7 +12,7 @@ fn tiny(fields: &str) -> String {
 }
 
 #[test]
-fn their_tables_are_fitted_measured_and_served() {
+fn tables_of_other_materials_are_fitted_measured_and_served() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     let fuzz = r#"{"brdf": "fuzz", "layout": "ltc2017", "preset": "draft", "resolution": {"alpha": 3, "theta": 3}}"#;
@@ -34,9 +34,9 @@ fn their_tables_are_fitted_measured_and_served() {
     }
 }
 
-/// Every parameter changes the picture. Errors name the wrong parameter.
+/// Every parameter changes the picture. Errors name the invalid parameter.
 #[test]
-fn previews_take_materials_cuts_and_compensation() {
+fn previews_support_materials_cuts_and_compensation() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     let digest = server.fit(&tiny(r#""fresnel": "two_lobes""#));

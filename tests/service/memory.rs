@@ -1,6 +1,6 @@
-//! Memory of the service while [`CLIENTS`] or `LTCFORGE_TEST_CLIENTS` clients send the largest requests of each call at
-//! the same time. A third of them reads the whole response, a third reads nothing, and a third disconnects in the
-//! middle.
+//! Measures the memory of the service while clients send the largest requests of each call at the same time. There are
+//! [`CLIENTS`] or `LTCFORGE_TEST_CLIENTS` clients. A third of them reads the whole response, a third reads nothing, and
+//! a third disconnects in the middle.
 
 use std::{
     fs,
@@ -19,20 +19,20 @@ use crate::common::{
     soak::rounds,
 };
 
-/// Number of clients in every run.
+/// Number of clients in a short run.
 const CLIENTS: usize = 3;
 
-/// Memory in MiB that the service may use in addition to its memory at rest. Most of it is for two concurrent uploads
+/// Memory in MiB that the service may use in addition to its memory when idle. Most of it is for two concurrent uploads
 /// and their processing. docs/operations.md states this limit.
 const BUDGET: u64 = 1024;
 
 const METHODS: [&str; 5] = ["get", "head", "put", "post", "delete"];
 
-/// The recipe of a table of more than a mebibyte, which is sent in several parts.
+/// The recipe of a table of more than a mebibyte. It is sent in several parts.
 const LONG: &str = r#"{"preset":"draft","resolution":{"alpha":15,"ratio":8,"theta":25,"phi":10},
     "fit":{"samples":64,"directions":4,"steps":1}}"#;
 
-/// The stored files and the bodies of the requests.
+/// The stored files, and the bodies for the requests.
 struct Stored {
     table: String,
     job: String,
@@ -41,8 +41,8 @@ struct Stored {
     scene: Vec<u8>,
 }
 
-/// The largest request of a call: path and query, more fields, and body. `None` for a call with small requests and
-/// responses.
+/// The largest request of a call: path and query, additional fields, and body. `None` if all requests and responses of
+/// the call are small.
 fn largest(call: (&str, &str), stored: &Stored) -> Option<(String, String, Vec<u8>)> {
     let (method, path) = call;
     let json = "content-type: application/json\r\n";
@@ -77,7 +77,7 @@ fn largest(call: (&str, &str), stored: &Stored) -> Option<(String, String, Vec<u
     }
 }
 
-/// A GLB with `triangles` triangles that share no corners.
+/// A GLB with `triangles` triangles. The triangles share no corners.
 fn glb(triangles: usize) -> Vec<u8> {
     let bytes = triangles * 36;
     let mut json = format!(
@@ -114,7 +114,7 @@ fn stored(server: &Server) -> Stored {
     Stored { table, job, recipe, brdf, scene: glb(1_600_000) }
 }
 
-/// Sends a whole request, or half of its body. The service may reject the rest.
+/// Sends a request with its whole body, or with half of it. The service may reject the rest.
 fn send(server: &Server, head: &str, body: &[u8], is_whole: bool) -> TcpStream {
     let mut tcp = TcpStream::connect(host(server)).expect("a connection");
     tcp.set_read_timeout(Some(DEADLINE)).expect("a time limit");
@@ -150,7 +150,7 @@ fn the_largest_requests_and_answers_stay_within_the_budget() {
                         let mut tcp = send(server, head, body, client % 3 < 2);
                         match client % 3 {
                             0 => drop(copy(&mut tcp, &mut sink())),
-                            // The client disconnects during the response.
+                            // This client disconnects during the response.
                             2 if body.is_empty() => drop(tcp.read(&mut [0])),
                             _ => {}
                         }

@@ -1,4 +1,4 @@
-//! Tests of the service: over HTTP, and after events on its process and disk.
+//! Tests of the service: over HTTP, and after events that affect its process and disk.
 
 mod access;
 mod bad_input;

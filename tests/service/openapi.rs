@@ -1,4 +1,4 @@
-//! `openapi.yaml` agrees with the router, and is consistent.
+//! Checks that `openapi.yaml` agrees with the router and is consistent.
 
 use std::collections::BTreeSet;
 
@@ -47,7 +47,7 @@ fn every_documented_call_is_answered_by_its_own_handler() {
 }
 
 #[test]
-fn a_wrong_method_is_told_the_right_ones() {
+fn a_wrong_method_gets_the_allowed_methods() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     let cases = [
@@ -76,7 +76,7 @@ fn visit(key: &str, value: &'static Value, see: &mut dyn FnMut(&str, &'static Va
 }
 
 #[test]
-fn every_reference_leads_somewhere() {
+fn every_reference_resolves() {
     let mut references = 0;
     visit("", &DOCUMENT, &mut |_, object| {
         if object.get("$ref").is_some() {
@@ -103,8 +103,8 @@ fn every_example_is_valid_under_its_schema() {
 }
 
 #[test]
-fn a_schema_that_is_broken_would_be_seen() {
-    // The check itself rejects a response with a missing field, and one with an additional field.
+fn a_broken_schema_would_be_noticed() {
+    // The check itself rejects a response with a missing field, and a response with an additional field.
     let job = &DOCUMENT["paths"]["/v1/jobs"]["post"]["responses"]["202"]["content"]["application/json"];
     let mut lacking = job["example"].clone();
     lacking.as_object_mut().expect("a job").remove("attempts");

@@ -1,18 +1,18 @@
-//! The files of the page.
+//! Tests the files of the page.
 
 use crate::common::server::Server;
 
-/// Maximum bytes of the first view, uncompressed.
+/// Largest size of the first view in bytes, uncompressed.
 const FIRST_VIEW_BYTES: usize = 250_000;
 
 #[test]
-fn the_page_and_all_that_it_loads_are_served_and_known_by_their_tags() {
+fn the_page_and_its_files_are_served_with_entity_tags() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     let page = server.get("/").with_status(200);
     let html = String::from_utf8(page.body).expect("UTF-8");
     let roots: Vec<String> = links(&html, "\"page/", '"').map(str::to_owned).collect();
-    // The files that the list of tables imports immediately, and all files.
+    // The files that the list of tables imports immediately, and all files of the page.
     let first: Vec<String> = roots.iter().cloned().chain(["pages/tables.js".to_owned()]).collect();
     let (names, bytes) = loaded(&server, first, "from '");
     assert!(html.len() + bytes < FIRST_VIEW_BYTES, "{bytes} bytes");
@@ -23,7 +23,7 @@ fn the_page_and_all_that_it_loads_are_served_and_known_by_their_tags() {
     server.get("/?theme=dark").with_status(400);
 }
 
-/// Loads files and, recursively, the files that they name after `before`. Returns their names and the bytes of all.
+/// Loads files and, recursively, the files whose names follow `before` in them. Returns all names and the total bytes.
 fn loaded(server: &Server, mut left: Vec<String>, before: &str) -> (Vec<String>, usize) {
     let (mut names, mut bytes) = (Vec::new(), 0);
     while let Some(name) = left.pop() {
@@ -44,7 +44,7 @@ fn loaded(server: &Server, mut left: Vec<String>, before: &str) -> (Vec<String>,
     (names, bytes)
 }
 
-/// The file that `from` imports by a path; `None` for other texts.
+/// The file that `from` imports by a relative path. `None` for other texts.
 fn resolved(from: &str, path: &str) -> Option<String> {
     if !path.starts_with("./") && !path.starts_with("../") {
         return None;
@@ -61,7 +61,7 @@ fn resolved(from: &str, path: &str) -> Option<String> {
     Some(parts.join("/"))
 }
 
-/// The texts that follow `before`, up to `end`.
+/// The texts between `before` and `end`.
 fn links<'a>(text: &'a str, before: &'a str, end: char) -> impl Iterator<Item = &'a str> {
     text.split(before).skip(1).filter_map(move |rest| rest.split(end).next())
 }

@@ -1,4 +1,4 @@
-//! Plans over HTTP.
+//! Tests plans over HTTP.
 
 use std::{thread, time::Duration};
 
@@ -39,7 +39,7 @@ fn a_list_of_materials_gives_a_recipe_that_can_be_submitted() {
 }
 
 #[test]
-fn scenes_with_faults_are_told_all_of_them() {
+fn all_faults_of_a_scene_are_reported() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     let send = |kind: &str, body: &[u8]| server.request("POST", "/v1/plans", &[("content-type", kind)], Some(body));
@@ -49,7 +49,7 @@ fn scenes_with_faults_are_told_all_of_them() {
     let pointers: Vec<&str> = reply["errors"].as_array().expect("a list").iter().map(|e| text(&e["pointer"])).collect();
     assert_eq!(pointers, ["/materials/0/alpha_x", "/materials/0/alpha_y", "/materials/1"]);
     let bare = send("application/json", br#" [{"alpha_x": 0.3, "alpha_y": 0.2}]"#).with_status(422).json();
-    assert!(text(&bare["errors"][0]["detail"]).starts_with("a bare list; the document is {"), "{bare:#}");
+    assert!(text(&bare["errors"][0]["detail"]).starts_with("a bare list; the document must be {"), "{bare:#}");
     let outside = br#"{"buffers": [{"byteLength": 1, "uri": "../../etc/passwd"}], "nodes": [{}]}"#;
     let reply = send("model/gltf-binary", outside).with_status(422).json();
     assert_eq!(text(&reply["errors"][0]["pointer"]), "/buffers/0/uri", "{reply:#}");
@@ -57,7 +57,7 @@ fn scenes_with_faults_are_told_all_of_them() {
     assert!(text(&other["detail"]).contains("send model/gltf-binary, application/json"), "{other:#}");
 }
 
-/// A GLB with a triangle of rough plastic.
+/// A GLB with one triangle of rough plastic.
 fn triangle() -> Vec<u8> {
     let corners: [f32; 9] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     let binary: Vec<u8> = corners.iter().flat_map(|x| x.to_le_bytes()).collect();
@@ -101,7 +101,7 @@ fn scenes_that_are_too_long_or_too_many_are_refused() {
     let send = |body: &[u8]| server.request("POST", "/v1/plans", &[("content-type", "application/json")], Some(body));
     let long = send(&vec![b' '; (1 << 20) + 1]).with_status(413).json();
     assert_eq!(text(&long["type"]), "/problems/body-too-large");
-    // Two plans run at the same time, each for longer than the third request waits.
+    // Two plans run at the same time. Each takes longer than the third request waits.
     let seven = include_bytes!("../../docs/plan/seven.json");
     thread::scope(|scope| {
         let first = [(); 2].map(|()| scope.spawn(|| send(seven)));

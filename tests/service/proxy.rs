@@ -1,4 +1,4 @@
-//! Debian's nginx in front of the service, with the example of `deploy/nginx.conf`.
+//! Tests Debian's nginx in front of the service, with the example `deploy/nginx.conf`.
 
 use std::{
     fs,
@@ -20,7 +20,7 @@ use crate::common::{
     tell_skipped,
 };
 
-/// The main configuration, which includes the example. One process is enough.
+/// The main configuration. It includes the example, and uses a single process.
 const MAIN: &str = "daemon off; master_process off; pid nginx.pid; error_log stderr; events {}
     http { access_log off; client_body_temp_path body; proxy_temp_path proxy; fastcgi_temp_path fastcgi;
     uwsgi_temp_path uwsgi; scgi_temp_path scgi; include site.conf; }";
@@ -36,7 +36,7 @@ impl Drop for Nginx {
 }
 
 #[test]
-fn nginx_passes_requests_and_events_and_cuts_slow_clients() {
+fn nginx_forwards_requests_and_events_and_disconnects_slow_clients() {
     if Command::new("nginx").arg("-v").output().is_err() {
         tell_skipped("there is no nginx here");
         return;
@@ -84,13 +84,13 @@ fn nginx_passes_requests_and_events_and_cuts_slow_clients() {
     let bytes = bytes.into_body().read_to_vec().expect("a table");
     assert!(bytes == server.get(&format!("/v1/tables/{table}")).body);
 
-    // The first event comes while the job runs.
+    // The first event arrives while the job runs.
     let events = agent.get(url(&format!("/v1/jobs/{}/events", text(&id)))).call().expect("a stream");
     let mut line = String::new();
     BufReader::new(events.into_body().into_reader()).read_line(&mut line).expect("a line");
     assert_eq!(line.trim(), "event: state");
 
-    // The proxy disconnects a client that does not send its request. The service does not notice it.
+    // The proxy disconnects a client that does not send its request. The service does not see this client.
     let mut silent = TcpStream::connect(&address).expect("a connection");
     silent.set_read_timeout(Some(DEADLINE)).expect("a time limit");
     silent.write_all(b"\x16").expect("the beginning of TLS");

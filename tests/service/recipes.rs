@@ -1,4 +1,4 @@
-//! Forecasts of recipes before they are submitted.
+//! Tests forecasts for recipes that are not submitted yet.
 
 use serde_json::Value;
 
@@ -8,7 +8,7 @@ use crate::common::{
 };
 
 #[test]
-fn a_recipe_is_foreseen_as_it_is_submitted() {
+fn the_forecast_of_a_recipe_agrees_with_its_job() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     let foresee = |recipe: &str| {
@@ -17,7 +17,7 @@ fn a_recipe_is_foreseen_as_it_is_submitted() {
     };
     let before = foresee(SMALL);
     assert_eq!((before["entries"].as_u64(), before["table"].is_null()), (Some(16), true), "{before:#}");
-    assert_eq!(server.get("/v1/jobs").json()["items"], serde_json::json!([]), "nothing is begun");
+    assert_eq!(server.get("/v1/jobs").json()["items"], serde_json::json!([]), "a job was started");
     let job = server.submit(SMALL).with_status(202).json();
     for same in ["/recipe", "/recipe_digest", "/expected/error"] {
         assert!(
@@ -25,10 +25,10 @@ fn a_recipe_is_foreseen_as_it_is_submitted() {
             "{same}: {before:#} {job:#}"
         );
     }
-    // The predicted seconds may differ, because the worker may have measured its speed by now.
+    // The predicted seconds may differ, because the worker may have measured its speed in the meantime.
     assert!(before["expected"]["seconds"].as_f64().is_some_and(|seconds| seconds > 0.0), "{before:#}");
     let done = server.finished(text(&job["id"]));
-    // The forecast must equal the bytes of the tensors of matrices and terms in the file.
+    // The forecast must equal the number of bytes of the matrix and term tensors in the file.
     let file = server.get(&format!("/v1/tables/{}", text(&done["table"]))).with_status(200).body;
     let (length, rest) = file.split_at(8);
     let length = u64::from_le_bytes(length.try_into().expect("eight bytes")) as usize;
@@ -43,7 +43,7 @@ fn a_recipe_is_foreseen_as_it_is_submitted() {
 }
 
 #[test]
-fn what_would_be_refused_is_told_with_the_problem_of_the_refusal() {
+fn the_forecast_of_an_invalid_recipe_has_the_faults_of_its_rejection() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &["--job-seconds", "1"]);
     let cases = [

@@ -10,17 +10,18 @@ use std::{
 use super::brdfs::OCTETS;
 use crate::common::{SMALL, command::run, server::Server, soak::rounds, tell_skipped};
 
-/// Number of examples in the short form. Without sequences of calls and the bounds of all ranges, which take minutes.
+/// Number of examples in a short run. A short run omits sequences of calls and the bounds of ranges, which take
+/// minutes.
 const EXAMPLES: usize = 1;
 
-/// Programs that `make schemathesis` installs.
+/// The programs that `make schemathesis` installs.
 fn programs() -> PathBuf {
     let target = Path::new(env!("CARGO_BIN_EXE_ltcforge")).ancestors().nth(2).expect("a folder of the build");
     target.join("schemathesis/bin")
 }
 
 #[test]
-fn the_service_answers_as_openapi_says() {
+fn the_service_agrees_with_openapi() {
     let schemathesis = programs().join("schemathesis");
     if !schemathesis.exists() {
         tell_skipped("there is no schemathesis of PyPI here; `make schemathesis` installs it");

@@ -5,14 +5,14 @@ use crate::common::{
     server::{Server, text},
 };
 
-/// Entries of a shard.
+/// Entries per shard.
 const SHARD: u64 = 64;
 
-/// Maximum processor seconds of the service until a shard has stopped. A shard checks every few hundredths of a second
-/// whether to stop. A step of the most expensive recipe takes six seconds.
+/// Largest processor time of the service until a shard has stopped, in seconds. A shard checks every few hundredths of
+/// a second whether to stop. One step of the most expensive recipe takes six seconds.
 const MOST_SECONDS: f64 = 3.0;
 
-/// A recipe with the most expensive allowed settings. It has four shards, which take minutes or hours each.
+/// A recipe with the most expensive allowed settings. It has four shards. Each takes minutes or hours.
 fn most_expensive(what: &str, fit: &str) -> String {
     format!(r#"{{"preset":"draft",{what},"fit":{{{fit},"samples":65536,"directions":1024,"steps":1000}}}}"#)
 }
@@ -41,7 +41,7 @@ fn a_job_of_any_length_frees_its_worker_and_lets_the_service_stop() {
         running();
         let before = server.processor_seconds();
         assert_eq!(server.request("DELETE", &path, &[], None).with_status(200).json()["state"], "cancelled");
-        // The only worker is free again, although the shard is not finished.
+        // The only worker is available again, although the shard is not finished.
         server.fit(SMALL);
         let taken = server.processor_seconds() - before;
         assert!(taken < MOST_SECONDS, "{recipe}: {taken} s until another job was done");

@@ -1,4 +1,4 @@
-//! TLS with a certificate, and with a renewed one.
+//! Tests TLS with a certificate, and with a renewed certificate.
 
 use std::{fs, io::Write as _, net::TcpStream, path::Path};
 
@@ -10,7 +10,7 @@ use crate::common::{
     server::Server,
 };
 
-/// Writes a new certificate for `localhost` and its key.
+/// Writes a new certificate for `localhost`, and its key.
 fn certify(chain: &Path, key: &Path) -> String {
     let CertifiedKey { cert, signing_key } =
         generate_simple_self_signed(["localhost".to_owned()]).expect("a certificate");
@@ -20,7 +20,7 @@ fn certify(chain: &Path, key: &Path) -> String {
 }
 
 #[test]
-fn a_certificate_is_spoken_for_and_renewed_without_a_restart() {
+fn a_certificate_is_used_and_renewed_without_a_restart() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name);
     let (chain, key) = (path("chain.pem"), path("key.pem"));
@@ -46,7 +46,8 @@ fn a_certificate_is_spoken_for_and_renewed_without_a_restart() {
     let _ = std::io::Read::read_to_end(&mut bare, &mut answer);
     assert!(!answer.starts_with(b"HTTP"), "bare HTTP is not answered");
 
-    // The new key does not match the old certificate. The service uses the old pair until the new certificate is there.
+    // The new key does not match the old certificate. The service uses the old pair until the new certificate is there
+    // as well.
     let second = certify(&path("second.pem"), &path("second_key.pem"));
     fs::copy(path("second.pem"), &chain).expect("a file");
     assert!(trusts("first.pem"));
@@ -58,7 +59,7 @@ fn a_certificate_is_spoken_for_and_renewed_without_a_restart() {
 
     for (certificate, key, message) in [
         ("chain.pem", "none.pem", "none.pem"),
-        ("key.pem", "key.pem", "no certificate in PEM"),
+        ("key.pem", "key.pem", "no PEM certificate"),
         ("first.pem", "key.pem", "certificate first.pem and key key.pem"),
     ] {
         let refused = run(folder.path(), ["serve", "--tls-certificate", certificate, "--tls-key", key]).exited(2);

@@ -1,4 +1,4 @@
-//! The error of a table between its nodes, where renderers read it, against the best fits.
+//! Tests the error of a table between its nodes, where renderers read it, compared with the best fits.
 
 use std::{ops::ControlFlow, sync::Arc};
 
@@ -14,7 +14,7 @@ use ltcforge::{
 };
 use rayon::prelude::*;
 
-/// The number of materials and views as artists set them.
+/// The number of materials and views. They are distributed as artists set them.
 const PLACES: usize = 48;
 
 fn table(document: &str) -> Table {
@@ -30,7 +30,7 @@ fn place(i: usize) -> Configuration {
     Configuration { alpha_x, alpha_y: alpha_x * (0.1 + 0.9 * ratio), theta: 1.5 * theta, phi: 1.57 * phi }
 }
 
-/// The errors of the table and of a separate fit, by the same held-out samples.
+/// The errors of the table and of a separate fit, measured with the same held-out samples.
 fn errors(table: &Table, at: &Configuration) -> [f64; 2] {
     let (ggx, wo) = (Ggx { alpha_x: at.alpha_x, alpha_y: at.alpha_y }, direction(at.theta, at.phi));
     let mut fitter = Fitter::new(&Preset::Paper.fit());
@@ -40,7 +40,7 @@ fn errors(table: &Table, at: &Configuration) -> [f64; 2] {
     [looked_up, own.error]
 }
 
-/// The sum of errors over the sum of the fits' errors, and the largest ratio of the two.
+/// The sum of the table's errors divided by the sum of the fits' errors, and the largest ratio of a single pair.
 fn excess(table: &Table) -> (f64, f64) {
     let all: Vec<[f64; 2]> = (0..PLACES).into_par_iter().map(|i| errors(table, &place(i))).collect();
     let [looked_up, own] = [0, 1].map(|k| all.iter().map(|pair| pair[k]).sum::<f64>());
@@ -48,20 +48,21 @@ fn excess(table: &Table) -> (f64, f64) {
 }
 
 #[test]
-fn draft_is_near_the_best_fit_between_its_nodes() {
+fn draft_is_close_to_the_best_fit_between_its_nodes() {
     let (mean, worst) = excess(&table(r#"{"preset": "draft"}"#));
     assert!(mean < 0.18 && worst < 3.0, "{mean} {worst}");
 }
 
 #[test]
-fn standard_is_nearer() {
+fn standard_is_closer_to_the_best_fit() {
     let (mean, worst) = excess(&table(r#"{"preset": "standard"}"#));
     assert!(mean < 0.11 && worst < 2.4, "{mean} {worst}");
 }
 
-/// The materials of KT et al. 2022, figure 14. docs/accuracy.md has the mean absolute error of their published table.
+/// The materials of KT et al. 2022, figure 14. docs/accuracy.md states the mean absolute error of their published
+/// table.
 #[test]
-fn on_the_materials_of_figure_14_a_draft_is_nearer_than_the_published_table() {
+fn on_the_materials_of_figure_14_a_draft_has_smaller_errors_than_the_published_table() {
     const PUBLISHED: [f64; 4] = [0.00692, 0.02223, 0.02130, 0.05605];
     let table = Arc::new(ShaderTable::new(&table(r#"{"preset": "draft"}"#), TexelFormat::F32));
     let scene = Scene { mode: Mode::Difference, size: 64, spp: 1024, ..NamedScene::Figure14.scene() };
@@ -72,10 +73,10 @@ fn on_the_materials_of_figure_14_a_draft_is_nearer_than_the_published_table() {
     assert_eq!(rendered.errors.len(), PUBLISHED.len());
 }
 
-/// Isotropic materials between the texels of a table for engines. The table that engines ship has 5 times the error of
-/// the best fits.
+/// Isotropic materials between the texels of a table for engines. The error of the table that engines ship is five
+/// times the error of the best fits.
 #[test]
-fn the_isotropic_table_of_engines_is_near_between_its_texels() {
+fn an_isotropic_table_for_engines_is_close_to_the_best_fit_between_its_texels() {
     let table = table(r#"{"layout": "ltc2017"}"#);
     let isotropic = |i: usize| Configuration { alpha_y: place(i).alpha_x, phi: 0.0, ..place(i) };
     let all: Vec<[f64; 2]> = (0..PLACES).into_par_iter().map(|i| errors(&table, &isotropic(i))).collect();
@@ -83,9 +84,9 @@ fn the_isotropic_table_of_engines_is_near_between_its_texels() {
     assert!(mean < 1.1, "{mean}");
 }
 
-/// The bounds can fail: without the layout's reflection, the same fit interpolates badly.
+/// The bounds can fail: without the layout's reflection, the same fit has large interpolation errors.
 #[test]
-fn the_layout_of_the_published_table_is_not_near() {
+fn the_layout_of_the_published_table_has_large_errors_between_nodes() {
     let (mean, worst) = excess(&table(r#"{"preset": "draft", "layout": "kt2022"}"#));
     assert!(mean > 0.2 && worst > 3.0, "{mean} {worst}");
 }

@@ -1,4 +1,4 @@
-//! The example recipes of `docs/recipes` have the sizes and errors that `docs/recipe.md` states.
+//! Checks that the example recipes in `docs/recipes` have the sizes and errors that `docs/recipe.md` states.
 
 use std::{fs, ops::ControlFlow, path::Path};
 
@@ -13,7 +13,7 @@ use ltcforge::{
 };
 use rayon::prelude::*;
 
-/// An example with a preset that is fast enough for a test.
+/// An example, with a preset that is fast enough for a test.
 fn example(name: &str) -> Recipe {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/recipes").join(name);
     let text = fs::read_to_string(path).expect("an example");
@@ -37,7 +37,7 @@ fn bytes(recipe: &Recipe, table: &Table) -> usize {
 }
 
 #[test]
-fn a_range_costs_a_part_of_the_whole_and_loses_nothing() {
+fn a_table_of_a_range_is_smaller_and_not_less_accurate() {
     let whole = parse("{}");
     let whole_table = fitted(&whole);
     let brushed = example("brushed-metal.json");
@@ -51,18 +51,18 @@ fn a_range_costs_a_part_of_the_whole_and_loses_nothing() {
 }
 
 #[test]
-fn isotropic_surfaces_alone_take_a_hundredth() {
+fn a_table_of_isotropic_surfaces_has_a_hundredth_of_the_size() {
     let (whole, isotropic) = (parse("{}"), example("isotropic.json"));
     let table = fitted(&isotropic);
-    // Only the numbers are compared, because the header is about as long in every table.
+    // Only the sizes of the numbers are compared, because all tables have headers of similar length.
     let numbers = |recipe: &Recipe, bytes_each: u64| recipe.entries() * 11 * bytes_each;
     assert!(100 * numbers(&isotropic, 2) < numbers(&whole, 4));
     let error = mean_error(&table, [[0.01, 1.0], [1.0, 1.0], [0.0, 1.55], [0.0, 6.2]]);
     assert!(error < 0.05, "{error}");
 }
 
-/// Mean error relative to alpha, over 200 places in the ranges of alpha, ratio, theta and phi. The width of a lobe is
-/// proportional to alpha.
+/// Mean error relative to alpha, over 200 configurations in the ranges of alpha, ratio, theta and phi. The width of a
+/// lobe is proportional to alpha.
 fn mean_error(table: &Table, ranges: [[f64; 2]; 4]) -> f64 {
     let settings = parse(r#"{"preset": "paper"}"#).fit();
     let errors = (0..200).into_par_iter().map_init(

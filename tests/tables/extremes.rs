@@ -1,4 +1,4 @@
-//! A table returns usable matrices even where lobes degenerate.
+//! A table returns usable matrices even for degenerate lobes.
 
 use std::{f64::consts::FRAC_PI_2, ops::ControlFlow, sync::LazyLock};
 
@@ -10,9 +10,9 @@ use ltcforge::{
 use proptest::prelude::*;
 use rayon::prelude::*;
 
-/// The tolerance for the movement of an LTC by f32 arithmetic, in radians.
+/// The tolerance for the change of an LTC by f32 arithmetic, in radians.
 const INVERSION: f64 = 1e-3;
-/// The most that a fold may add to a step, in widths of the lobe: rounding of f64.
+/// The largest jump at a fold, in widths of the lobe. It comes from f64 rounding.
 const JUMP: f64 = 1e-9;
 
 fn fitted(recipe: &str) -> Table {
@@ -22,7 +22,7 @@ fn fitted(recipe: &str) -> Table {
     assemble(&plan, &entries)
 }
 
-/// The default table, as numbers and as half floats, and the paper's layout.
+/// The default table in f32 and in half floats, and a table in the paper's layout.
 static TABLES: LazyLock<[(&str, Table); 4]> = LazyLock::new(|| {
     [
         r#"{"preset": "draft"}"#,
@@ -45,7 +45,7 @@ fn every_corner_is_upright_continuous_and_can_be_inverted_in_f32() {
     }
 }
 
-/// A value where tables are hardest, moved by a few ulps, or any other value.
+/// A value at which tables are hardest, moved by a few ulps, or any other value.
 fn hard(values: &'static [f64], high: f64) -> impl Strategy<Value = f64> {
     let near = (prop::sample::select(values), -3_i64..=3)
         .prop_map(move |(x, ulps)| f64::from_bits(x.to_bits().saturating_add_signed(ulps)).clamp(0.0, high));

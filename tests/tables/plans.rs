@@ -1,4 +1,4 @@
-//! Plans of all scenes of the project: lists in the docs, and glTF files.
+//! Plans all scenes of the project: lists in the docs, and glTF files.
 
 use std::{
     fs,
@@ -9,7 +9,7 @@ use std::{
 use ltcforge::fit::{Plan, fit_plan};
 use ltcforge_plan::{Budget, Form, LobeKind, Needs, Scene, SceneMaterial, TablePlan, left_out};
 
-/// The files of a folder with some extensions, by their names.
+/// The files in a folder with some extensions, sorted by name.
 fn files(folder: &str, extensions: &[&str]) -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
     let all = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
@@ -30,11 +30,11 @@ fn shipped(name: &str) -> Scene {
     scene(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scenes").join(name))
 }
 
-/// A planned table with half the bytes is as good as the table of the whole domain on every scene, and as good as
+/// On every scene, a planned table with half the bytes is as good as the table of the whole domain, and as good as
 /// predicted.
 #[test]
 #[ignore = "make test-all runs it"]
-fn half_of_the_bytes_is_not_worse_on_any_scene() {
+fn a_plan_with_half_the_bytes_is_not_worse_on_any_scene() {
     let scenes = [files("docs/plan", &["json"]), files("tests/scenes", &["gltf", "glb"])].concat();
     assert!(scenes.len() >= 9, "{scenes:?}");
     let mut wrong = Vec::new();
@@ -60,7 +60,7 @@ fn half_of_the_bytes_is_not_worse_on_any_scene() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-/// The part of a lobe's weight whose roughness is within a range.
+/// The part of a lobe's total weight with a roughness in this range.
 fn part(material: &SceneMaterial, kind: LobeKind, alpha: [f64; 2]) -> f64 {
     let lobe = material.lobes.iter().find(|lobe| lobe.kind == kind).expect("a lobe");
     let within = lobe.spots.iter().filter(|spot| (alpha[0]..=alpha[1]).contains(&spot.alpha));
@@ -71,7 +71,7 @@ fn material<'a>(scene: &'a Scene, name: &str) -> &'a SceneMaterial {
     scene.materials.iter().find(|material| material.name == name).expect(name)
 }
 
-/// Each disc has all strengths of its texture, so that alpha ranges from the disc's alpha to one.
+/// The texture of each disc has all strengths, so alpha ranges from the disc's alpha to one.
 #[test]
 fn discs_of_anisotropy_have_every_strength() {
     let scene = shipped("AnisotropyDiscTest.glb");
@@ -82,14 +82,14 @@ fn discs_of_anisotropy_have_every_strength() {
         let [low, high] = [f64::min, f64::max]
             .map(|least| disc.lobes[0].spots.iter().map(|spot| spot.alpha).reduce(least).expect("spots"));
         assert!((low - roughness * roughness).abs() < 2e-3 && high > 0.99, "{name}: {low} to {high}");
-        // The smaller roughness equals the roughness without anisotropy, at every strength.
+        // At every strength, the smaller roughness equals the roughness without anisotropy.
         let smaller = disc.lobes[0].spots.iter().map(|spot| spot.alpha * spot.ratio);
         assert!(smaller.into_iter().all(|alpha| (alpha - roughness * roughness).abs() < 5e-3), "{name}");
     }
     assert!(material(&scene, "roughness 1.0").lobes[0].is_isotropic());
 }
 
-/// Coats are separate lobes, with the roughness of a factor or a texture, on the surface that they cover.
+/// Coats are separate lobes. Their roughness comes from a factor or a texture, on the surface that they cover.
 #[test]
 fn coats_have_the_roughness_and_the_surface_of_their_textures() {
     let scene = shipped("ClearCoatTest.glb");
@@ -100,7 +100,7 @@ fn coats_have_the_roughness_and_the_surface_of_their_textures() {
     let partial = material(&scene, "Partial_Coated");
     let [base, coat] = [0, 1].map(|lobe| partial.lobes[lobe].weight());
     assert!((0.2..0.8).contains(&(coat / base)), "{coat} of {base}");
-    // A texture of the coat and a texture of a surface without a coat have the same roughnesses.
+    // The texture of a coat and the texture of a surface without a coat have the same roughnesses.
     let [striped, surface] = ["RoughVariations_Coated", "RoughVariations_Coating"].map(|name| material(&scene, name));
     for alpha in [[0.0, 0.05], [0.05, 0.2], [0.2, 1.0]] {
         let [coat, plain] = [part(striped, LobeKind::Clearcoat, alpha), part(surface, LobeKind::Base, alpha)];
@@ -108,7 +108,7 @@ fn coats_have_the_roughness_and_the_surface_of_their_textures() {
     }
 }
 
-/// The light through glass is reported for each of many materials, and their reflection is planned.
+/// With many glass materials, the light through the glass is reported for each, and their reflection is planned.
 #[test]
 fn many_materials_of_glass_are_reported() {
     let scene = shipped("AttenuationTest.glb");

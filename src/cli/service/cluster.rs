@@ -23,7 +23,7 @@ use ltcforge_server::{
 };
 use ltcforge_view::preview::Adapter;
 
-/// Connections to the database of a worker.
+/// Database connections of a worker.
 const WORKER_CONNECTIONS: NonZeroUsize = NonZeroUsize::new(3).unwrap();
 
 /// `work`.
@@ -38,16 +38,16 @@ pub struct WorkArgs {
     /// Shards to fit at the same time, 1 to 512 [default: one per core]
     #[arg(long, env = "LTCFORGE_WORKERS", value_name = "N")]
     pub workers: Option<ThreadCount>,
-    /// Seconds until a silent worker's shard goes to another
+    /// Seconds until another worker takes over a silent worker's shard
     #[arg(long, env = "LTCFORGE_LEASE_SECONDS", value_name = "N")]
     pub lease_seconds: Option<NonZeroU64>,
     /// Address for /healthz, /readyz, /metrics and /version
     #[arg(long, env = "LTCFORGE_WORK_LISTEN", value_name = "ADDRESS")]
     pub listen: Option<SocketAddr>,
-    /// File of tokens that requests to that address need
+    /// Token file; requests to the --listen address need a token
     #[arg(long, env = "LTCFORGE_TOKENS", value_name = "FILE", requires = "listen")]
     pub tokens: Option<PathBuf>,
-    /// Without tokens, answer other machines too
+    /// Answer other machines without tokens
     #[arg(long, requires = "listen")]
     pub allow_anyone: bool,
 }

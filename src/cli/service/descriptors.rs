@@ -2,7 +2,7 @@
 
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 
-/// Raises the limit of open files to the maximum. Many systems start with 1024, for programs that cannot handle more.
+/// Raises the limit of open files to the maximum. Many systems default to 1024, for programs that cannot handle more.
 pub(super) fn raise_descriptor_limit() {
     let Rlimit { maximum, .. } = getrlimit(Resource::Nofile);
     if let Err(error) = setrlimit(Resource::Nofile, Rlimit { current: maximum, maximum }) {
@@ -15,7 +15,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_process_gets_as_many_descriptors_as_it_may_have() {
+    fn the_limit_of_open_files_is_raised_to_the_maximum() {
         raise_descriptor_limit();
         let Rlimit { current, maximum } = getrlimit(Resource::Nofile);
         assert_eq!(current, maximum);

@@ -1,4 +1,5 @@
-//! Who may call the service: its tokens and its certificate. It does not start if anyone could call by accident.
+//! Access to the service: its tokens and its certificate. The service does not start if it would be open to everyone by
+//! accident.
 
 use std::sync::Arc;
 
@@ -9,7 +10,7 @@ impl ServeSettings {
     /// The tokens of the service.
     ///
     /// # Errors
-    /// When the tokens have errors, or a service that other machines can reach has no token.
+    /// When the tokens are invalid, or other machines can reach the service and it has no tokens.
     pub(super) fn tokens(&self) -> Result<Arc<TokenFile>, CommandFailure> {
         let listed = self.token_list.as_ref().map(|list| list.replace(';', "\n"));
         let tokens = TokenFile::open(listed, self.tokens.clone()).map(Arc::new).map_err(usage)?;
@@ -18,16 +19,16 @@ impl ServeSettings {
             return Ok(tokens);
         }
         Err(usage(format!(
-            "other machines may reach {}, and there are no tokens: give --tokens FILE (`ltcforge token new` makes one), or \
-             --allow-anyone if anyone who reaches it may read, submit, cancel and delete",
+            "other machines may reach {}, and there are no tokens: add --tokens FILE (`ltcforge token new` makes \
+             a token), or --allow-anyone to let everyone read, submit, cancel and delete",
             self.listen
         )))
     }
 
-    /// The certificate of the service; `None` for bare HTTP.
+    /// The certificate of the service; `None` for plain HTTP.
     ///
     /// # Errors
-    /// When one of the two files is missing, or they have errors.
+    /// When one of the two files is missing or invalid.
     pub(super) fn certificate(&self) -> Result<Option<Arc<Certificate>>, CommandFailure> {
         match (&self.tls_certificate, &self.tls_key) {
             (None, None) => Ok(None),
@@ -45,7 +46,7 @@ mod tests {
     use super::super::{Exit, settings::tests::settings};
 
     #[test]
-    fn an_address_of_others_needs_tokens_or_a_word() {
+    fn a_public_address_needs_tokens_or_allow_anyone() {
         let check = |flags: &[&str]| settings("", flags).tokens().map(|tokens| !tokens.current().is_empty());
         assert_eq!(check(&[]), Ok(false));
         for local in ["--listen=127.0.0.2:1", "--listen=[::1]:1", "--listen=[::ffff:127.0.0.1]:1"] {
@@ -60,6 +61,6 @@ mod tests {
         }
         let faults = check(&["--token-list=a read ltcforge_12;b", "--allow-anyone"]).expect_err("faults");
         assert!(faults.message.contains("line 2") && !faults.message.contains("ltcforge_12"), "{faults:?}");
-        assert!(check(&["--token-list="]).is_err(), "a list without a token is a slip");
+        assert!(check(&["--token-list="]).is_err(), "a list without a token is an error");
     }
 }

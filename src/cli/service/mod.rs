@@ -1,4 +1,4 @@
-//! The commands of the service, which runs on Unix alone.
+//! The commands of the service, which runs only on Unix.
 
 #[cfg(feature = "cluster")]
 mod cluster;
@@ -30,13 +30,13 @@ pub enum ServiceCommand {
 }
 
 impl ServiceCommand {
-    /// Whether it runs until it is interrupted.
+    /// Whether the command runs until it is interrupted.
     pub(super) fn runs_until_stopped(&self) -> bool {
         !matches!(self, Self::Token(_))
     }
 }
 
-/// Runs a command with the section `[serve]` of the configuration file.
+/// Runs a command with the settings in `[serve]` of the configuration file.
 pub(super) fn run(
     command: ServiceCommand,
     file: ServeSettings,

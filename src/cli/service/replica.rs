@@ -1,4 +1,4 @@
-//! Flags with which `serve` shares a database and an object store with other processes.
+//! Flags that let `serve` share a database and an object store with other processes.
 
 use std::{
     num::{NonZeroU64, NonZeroUsize},
@@ -10,7 +10,7 @@ use clap::Args;
 use super::Context;
 use ltcforge_server::service::{Config, DatabaseUrl, Shared};
 
-/// Connections to the database of a process that serves.
+/// Database connections of a serving process.
 const REPLICA_CONNECTIONS: NonZeroUsize = NonZeroUsize::new(16).unwrap();
 
 /// Flags that make `serve` one of several processes.
@@ -25,7 +25,7 @@ pub(crate) struct ReplicaArgs {
     /// Do not fit here; leave it to `ltcforge work`
     #[arg(long, requires = "database")]
     pub no_workers: bool,
-    /// Seconds until a silent worker's shard goes to another
+    /// Seconds until another worker takes over a silent worker's shard
     #[arg(long, env = "LTCFORGE_LEASE_SECONDS", value_name = "N", requires = "database")]
     pub lease_seconds: Option<NonZeroU64>,
 }
@@ -37,7 +37,7 @@ impl ReplicaArgs {
         Some(Shared { database, store, connections: REPLICA_CONNECTIONS })
     }
 
-    /// The configuration with what these flags change.
+    /// Applies these flags to the configuration.
     pub(super) fn change(&self, config: Config) -> Config {
         let workers = if self.no_workers { 0 } else { config.workers };
         Config { workers, lease_ttl: lease_ttl(self.lease_seconds, &config), ..config }

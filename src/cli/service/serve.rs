@@ -19,7 +19,7 @@ pub(super) fn run(settings: &ServeSettings, context: &mut Context<'_>) -> Result
     let runtime = context.runtime.clone();
     runtime.block_on(async {
         let (listener, address) = self::listen(listen).await?;
-        // A data folder is not left in the middle of being opened.
+        // An interrupt must not stop the process while it opens a data folder.
         #[cfg(feature = "cluster")]
         let opened = match shared {
             None => Some(tokio::task::spawn_blocking(move || Service::open(config)).await),
@@ -41,7 +41,7 @@ pub(super) fn run(settings: &ServeSettings, context: &mut Context<'_>) -> Result
     })
 }
 
-/// A listener, and the address that it has.
+/// Binds a listener, and returns it with its actual address.
 pub(super) async fn listen(listen: SocketAddr) -> Result<(TcpListener, SocketAddr), CommandFailure> {
     let bound = TcpListener::bind(listen).await.and_then(|listener| {
         let address = listener.local_addr()?;
@@ -52,7 +52,7 @@ pub(super) async fn listen(listen: SocketAddr) -> Result<(TcpListener, SocketAdd
 
 fn cannot_listen(listen: SocketAddr, error: &io::Error) -> CommandFailure {
     let reason = match error.kind() {
-        io::ErrorKind::AddrInUse => "the port is taken".to_owned(),
+        io::ErrorKind::AddrInUse => "the port is already in use".to_owned(),
         _ => error.to_string(),
     };
     failed(format!("cannot listen on {listen}: {reason}"))
@@ -65,6 +65,6 @@ mod tests {
     #[test]
     fn a_taken_port_is_named() {
         let refused = cannot_listen(ServeSettings::default().listen, &io::ErrorKind::AddrInUse.into());
-        assert_eq!(refused.message, "cannot listen on 127.0.0.1:8317: the port is taken");
+        assert_eq!(refused.message, "cannot listen on 127.0.0.1:8317: the port is already in use");
     }
 }

@@ -1,6 +1,6 @@
-//! Settings of the service. Each is declared once, in [`ServeSettings`]: for the command line, the environment and the
-//! section `[serve]` of the configuration file. A flag goes before its variable, that before the file, that before the
-//! default.
+//! Settings of the service. [`ServeSettings`] declares each setting once, for the command line, the environment and the
+//! section `[serve]` of the configuration file. A flag overrides its variable, a variable overrides the file, and
+//! the file overrides the default.
 
 use std::{
     fmt::Display,
@@ -25,14 +25,14 @@ use ltcforge_server::{
 };
 use ltcforge_view::preview::Adapter;
 
-/// How long a lease lasts. A worker renews it several times a second.
+/// How long a lease lasts. A process renews its leases every 0.1 s, or in a cluster every 0.5 s.
 const LEASE_TTL: Duration = Duration::from_secs(60);
 
 /// Seconds that the service waits for a client or a picture, at most a day.
 type WaitSeconds = UpTo<86_400>;
 
 impl WaitSeconds {
-    /// As a time.
+    /// The setting as a duration.
     fn duration(self) -> Duration {
         Duration::from_secs(self.0)
     }
@@ -99,13 +99,13 @@ pub(crate) struct ServeSettings {
     /// Private key of the certificate (PEM)
     #[arg(long, env = "LTCFORGE_TLS_KEY", value_name = "FILE")]
     pub tls_key: Option<PathBuf>,
-    /// Requests to answer at the same time, without event streams [default: 256]
+    /// Maximum concurrent requests, not counting event streams [default: 256]
     #[arg(long, env = "LTCFORGE_REQUESTS", value_name = "N")]
     pub requests: NonZeroUsize,
-    /// Seconds a client has to send headers, and again the body, to 86400 [default: 30]
+    /// Seconds that a client may take to send headers or body [default: 30]
     #[arg(long, env = "LTCFORGE_CLIENT_SECONDS", value_name = "N")]
     pub client_seconds: WaitSeconds,
-    /// The database and object store of a cluster, which the file does not have.
+    /// The database and object store of a cluster. They cannot be set in the file.
     #[cfg(feature = "cluster")]
     #[command(flatten)]
     #[serde(skip)]
@@ -141,7 +141,7 @@ impl Default for ServeSettings {
     }
 }
 
-/// A list of texts in a file, each read as on the command line.
+/// Parses a list of strings in a file, each as on the command line.
 fn from_texts<'de, D: Deserializer<'de>, T: FromStr<Err: Display>>(from: D) -> Result<Vec<T>, D::Error> {
     let texts = Vec::<String>::deserialize(from)?;
     texts.iter().map(|text| text.parse().map_err(D::Error::custom)).collect()
@@ -153,15 +153,15 @@ fn adapter<'de, D: Deserializer<'de>>(from: D) -> Result<Adapter, D::Error> {
     known.ok_or_else(|| D::Error::custom(format!("adapter must be any, gpu or cpu, got «{name}»")))
 }
 
-/// The flags and variables of `serve`: some of its settings, before the file's are known.
+/// The settings of `serve` from flags and variables, before they override the file's settings.
 #[derive(Debug)]
 pub struct ServeArgs(ArgMatches);
 
 impl ServeArgs {
-    /// The settings of a configuration file with these in their place. A list replaces a list.
+    /// Overrides the settings of a configuration file with these. A list replaces the file's list.
     ///
     /// # Errors
-    /// None is known: the flags were checked when they were parsed.
+    /// None are expected: the flags were checked when they were parsed.
     pub(super) fn over(mut self, mut file: ServeSettings) -> Result<ServeSettings, CommandFailure> {
         file.update_from_arg_matches_mut(&mut self.0).map_err(usage)?;
         Ok(file)
@@ -181,7 +181,7 @@ impl FromArgMatches for ServeArgs {
 
 impl Args for ServeArgs {
     fn augment_args(command: Command) -> Command {
-        // Flags that may be left out.
+        // All flags are optional.
         ServeSettings::augment_args_for_update(command)
     }
 
@@ -211,7 +211,7 @@ impl ServeSettings {
     /// The settings of the HTTP interface.
     ///
     /// # Errors
-    /// As [`Self::tokens`] and [`Self::certificate`].
+    /// See [`Self::tokens`] and [`Self::certificate`].
     pub(super) fn http(&self) -> Result<http::Options, CommandFailure> {
         Ok(http::Options {
             requests: self.requests.get(),
@@ -240,7 +240,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn a_flag_goes_before_the_file_and_that_before_the_default() {
+    fn a_flag_overrides_the_file_which_overrides_the_default() {
         let file = "data = 'file'\nqueue_limit = 5\nadapter = 'cpu'\njob_days = 7";
         let merged = settings(file, &["--data", "flag", "--job-days", "0"]);
         let by_hand = ServeSettings {
@@ -284,7 +284,7 @@ pub(super) mod tests {
             let (_, default) = help.rsplit_once("[default: ")?;
             Some(format!("--{}={}", argument.get_long()?, default.strip_suffix(']')?))
         });
-        // Defaults in words follow from the machine.
+        // Defaults in words depend on the machine.
         let stated: Vec<String> = stated.filter(|flag| !flag.contains(' ')).collect();
         assert!(stated.len() > 10, "{stated:?}");
         let flags: Vec<&str> = stated.iter().map(String::as_str).collect();
@@ -301,7 +301,7 @@ pub(super) mod tests {
         let config = settings(file, &["--picture-seconds", "5", "--store-bytes", "1000"]).config();
         assert_eq!((config.picture_time, config.store_bytes), (Duration::from_secs(5), Some(1000)));
         assert_eq!(config.keep_ended, Some(Duration::from_secs(7 * 86_400)));
-        assert_eq!(settings(file, &["--job-days", "0"]).config().keep_ended, None, "jobs are kept for good");
+        assert_eq!(settings(file, &["--job-days", "0"]).config().keep_ended, None, "jobs are kept forever");
     }
 
     #[test]

@@ -21,7 +21,7 @@ pub enum TokenCommand {
     },
 }
 
-/// Makes a token of random bytes of the system.
+/// Makes a token from the system's random bytes.
 pub(super) fn run(command: &TokenCommand, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let TokenCommand::New { name, scope } = command;
     let mut random = [0; TOKEN_BYTES];

@@ -59,7 +59,7 @@ fn pins_are_written_and_read_back() {
 }
 
 #[test]
-fn version_1_is_read_and_written_anew_with_its_comments() {
+fn version_1_is_read_and_rewritten_with_its_comments() {
     let mut read = pins(&old()).expect("a lock file");
     assert_eq!((read[0].sources.len(), read[0].bytes, read[1].bytes), (1, None, Some(7)));
     let refused = with_pins(&old(), &read).expect_err("no recipe");
@@ -142,7 +142,7 @@ fn two_pins_share_neither_name_nor_path() {
 }
 
 #[test]
-fn a_recipe_is_held_to_its_digest() {
+fn a_recipe_must_match_its_digest() {
     let text = with_pins("", &[pin("a", "x")]).expect("a lock file");
     let other = text.replace(r#""seed":"#, r#""seed":1"#);
     assert_ne!(other, text);
@@ -170,7 +170,7 @@ fn other_files_are_refused() {
 }
 
 #[test]
-fn two_names_that_some_system_takes_for_one_are_told() {
+fn two_names_that_some_systems_treat_as_equal_are_refused() {
     for (one, other) in [
         ("Metal", "metal"),
         ("caf\u{e9}", "cafe\u{301}"),
@@ -194,7 +194,7 @@ fn two_names_that_some_system_takes_for_one_are_told() {
 }
 
 #[test]
-fn what_git_and_editors_leave_in_a_lock_file_is_named() {
+fn changes_by_git_and_editors_to_a_lock_file_are_named() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("ltcforge.lock");
     let right = with_pins("", &[pin("a", "x")]).expect("a lock file");

@@ -12,7 +12,7 @@ pub(super) struct Encoder {
     /// The last byte that a carry can still change, and the number of 255s after it.
     pending: u8,
     ones: usize,
-    /// Whether there is a pending byte. The first byte would always be 0.
+    /// Whether there is a pending byte. At first there is none, because the output would begin with a useless 0.
     begun: bool,
     bytes: Vec<u8>,
 }
@@ -45,7 +45,7 @@ impl Encoder {
         self.bytes
     }
 
-    /// Outputs the highest byte of `low` after no carry can change it.
+    /// Outputs the highest byte of `low` as soon as no carry can change it.
     fn shift(&mut self) {
         let (carry, next) = ((self.low >> 32) as u8, (self.low >> 24) as u8);
         if next != 0xff || carry != 0 {
@@ -86,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bit_costs_as_much_as_it_surprises() {
+    fn a_likely_bit_costs_less() {
         let mut chance = Chance::EVEN;
         let mut encoder = Encoder::new();
         for _ in 0..8000 {
@@ -96,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn bytes_that_end_early_say_so() {
+    fn bytes_that_end_early_are_an_error() {
         assert!(Decoder::new(&[1, 2, 3]).is_none());
         let mut decoder = Decoder::new(&[0x80, 2, 3, 4]).expect("four bytes");
         let mut chance = Chance::EVEN;

@@ -5,7 +5,7 @@ use ltcforge_fit::{BrdfKind, LobeModel};
 /// The table has no compact form, or the bytes are not a compact form.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum CompactError {
-    /// The bytes begin differently.
+    /// The bytes do not begin with the magic bytes.
     #[error("not a compact table of version 1")]
     Magic,
     /// The bytes end too early.
@@ -27,7 +27,7 @@ pub enum CompactError {
         /// The allowed values.
         allowed: String,
     },
-    /// The nodes are not those of the table's layout over a range.
+    /// The nodes are not those that the table's layout has over a range.
     #[error("the nodes of {axis} are not those of layout {layout} from {low} to {high}")]
     Nodes {
         /// The axis.
@@ -48,7 +48,7 @@ pub enum CompactError {
         /// The layout.
         layout: String,
     },
-    /// The lobes of the scattering model are far from the reflection to which the form stores them.
+    /// The form stores lobes relative to a reflection, and the lobes of the scattering model do not follow it.
     #[error("the compact form stores lobes relative to a reflection, and lobes of brdf {brdf} do not follow it")]
     Reflection {
         /// The scattering model.

@@ -24,7 +24,7 @@ pub const COMPACT_MAGIC: &[u8; 8] = b"LTCcomp1";
 pub const LAYOUTS: [Layout; 3] = [Layout::Reflected, Layout::Kt2022, Layout::Ltc2017];
 /// The channels of amplitude and Fresnel term.
 pub(super) const TERMS: [usize; 2] = [7, 8];
-/// The most nodes on an axis, as in recipes.
+/// Maximum number of nodes on an axis, as in recipes.
 const MOST_NODES: u16 = 16_384;
 
 /// The contents of the header.
@@ -59,7 +59,7 @@ impl Header {
         Ok(axes)
     }
 
-    /// The ranges, and the numbers of nodes into which the layout divides them.
+    /// The ranges, and the nodes into which the layout divides them.
     fn divided(&self) -> (PerAxis<[f64; 2]>, PerAxis<Vec<f64>>) {
         let ([alpha, ratio, theta, phi], nodes) = (self.ranges, self.nodes.map(u32::from));
         let resolution = PerAxis { alpha: nodes[0], ratio: nodes[1], theta: nodes[2], phi: nodes[3] };
@@ -115,7 +115,7 @@ impl Header {
         bytes
     }
 
-    /// The header, and the bytes after it.
+    /// Reads the header. Also returns the bytes after it.
     pub(super) fn read(bytes: &[u8]) -> Result<(Self, &[u8]), CompactError> {
         let mut reader = Reader(bytes);
         if reader.take::<8>().ok().as_ref() != Some(COMPACT_MAGIC) {
@@ -201,12 +201,12 @@ impl Header {
     }
 }
 
-/// A scattering model without a file, because the form has no place for a digest.
+/// Finds a scattering model that needs no file. The form cannot store a file's digest.
 fn formula(name: &str) -> Option<BrdfKind> {
     BrdfKind::formulas().find(|kind| kind.name() == name)
 }
 
-/// Takes bytes from the front.
+/// Takes bytes from the front of a slice.
 struct Reader<'a>(&'a [u8]);
 
 impl Reader<'_> {
@@ -216,7 +216,7 @@ impl Reader<'_> {
         Ok(*taken)
     }
 
-    /// The item of a list whose name is next.
+    /// Reads a name, and returns the list item with this name.
     fn named<T: std::fmt::Display>(
         &mut self,
         field: &str,

@@ -1,16 +1,16 @@
-//! The compact form of a table: a hundredth of a byte to four bytes an entry, for programs in which a texture is too
-//! large.
+//! The compact form of a table, for programs in which a texture would be too large. An entry takes a hundredth of a
+//! byte to four bytes.
 //!
 //! An entry has nine numbers that vary smoothly, one for each channel (`fit::layout::smooth`). Over the nodes, a
 //! channel is a sum of products of Gram's polynomials. Their coefficients are rounded to multiples of a step and coded
-//! by a range coder. Where the rounded sum is off by more than five steps, a correction is stored for the node. So an
-//! edge in a table costs bytes and not accuracy. A decoder rebuilds the numbers of the table's layout.
+//! by a range coder. Where the rounded sum is off by more than five steps, a correction is stored for the node. Thus an
+//! edge in a table costs bytes, not accuracy. A decoder rebuilds the numbers of the table's layout.
 //!
-//! Steps are parts of a lobe's width: see `rounding`. The error that they cause is measured, and the steps become finer
-//! until the decoded table is at most 1 % worse.
+//! Steps are fractions of a lobe's width: see `rounding`. The error that they cause is measured, and the steps become
+//! finer until the decoded table is at most 1 % worse.
 //!
-//! Invariant: equal tables give equal bytes, equal bytes equal tables, on every machine. Hostile bytes give an error,
-//! never a panic.
+//! Invariant: equal tables give equal bytes, and equal bytes give equal tables, on every machine. Hostile bytes give an
+//! error, never a panic.
 
 mod coder;
 mod decoder;
@@ -36,7 +36,8 @@ use ltcforge_fit::{Spread, Table, width_between};
 /// The source of the decoder for the bytes after a header. It needs no crate.
 pub const DECODER: &str = include_str!("decoder.rs");
 
-/// Coefficients with a fraction below `1 - ROUND_UP` are rounded towards zero. It saves more than it costs accuracy.
+/// Coefficients with a fraction below `1 - ROUND_UP` are rounded towards zero. This saves many bytes for a small loss
+/// of accuracy.
 const ROUND_UP: f64 = 0.4;
 /// The largest error of a number, in steps of its channel.
 const MOST_MISSED: f64 = 5.0;
@@ -45,17 +46,17 @@ const MOST_MISSED: f64 = 5.0;
 const MOST_ERROR: f64 = 1.01;
 /// The number of places between nodes where both errors are measured.
 const MEASURED_AT: usize = 512;
-/// The most refinements of the steps. The last steps are 28 times finer than the first.
+/// Maximum number of refinements of the steps. The last steps are 28 times finer than the first.
 const ATTEMPTS: u32 = 16;
 
-/// A compact form, and its cost: errors between nodes as parts of a lobe's width, at 512 places.
+/// A compact form, and its cost: errors between nodes as fractions of a lobe's width, at 512 places.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Encoded {
     /// The compact form.
     pub bytes: Vec<u8>,
     /// The errors of the table.
     pub table: Spread,
-    /// The errors of the table that the bytes decode to. Their mean is at most 1 % larger.
+    /// The errors of the table that the bytes decode to. Their mean is at most 1 % above the mean of `table`.
     pub decoded: Spread,
 }
 
@@ -67,9 +68,9 @@ pub fn encode(table: &Table) -> Result<Vec<u8>, CompactError> {
     encode_measured(table).map(|encoded| encoded.bytes)
 }
 
-/// The compact form of a table, whose mean error between nodes is at most 1 % above the table's. It has neither
-/// `node_error` nor a second lobe, see [`encode_lobes`]. Runs on the current rayon pool: about a second on two cores,
-/// and half a second more for each refinement of the steps. The result does not depend on the size of the pool.
+/// The compact form of a table, with a mean error between nodes that is at most 1 % above the table's. It contains
+/// neither `node_error` nor a second lobe: see [`encode_lobes`]. Runs on the current rayon pool: about a second on two
+/// cores, and half a second more for each refinement of the steps. The result does not depend on the size of the pool.
 ///
 /// # Errors
 /// The table has a layout without a compact form, too many entries, nodes that are not its layout's, a matrix whose
@@ -89,7 +90,7 @@ pub fn encode_measured(table: &Table) -> Result<Encoded, CompactError> {
     let (mut rounding, mut reached) = (Rounding::of(table), f64::NAN);
     for _ in 0..ATTEMPTS {
         let bytes = encode_rounded(table, header.clone(), &numbers, rounding)?;
-        // The bytes contain the scattering model, but not the materials whose lobe was fitted.
+        // The bytes name the scattering model, but not the materials whose lobe was fitted, so `table` provides both.
         let decoded = Table { brdf: table.brdf.clone(), ..decode(&bytes)? };
         let decoded = width_between(&decoded, MEASURED_AT);
         reached = decoded.mean;
@@ -101,7 +102,7 @@ pub fn encode_measured(table: &Table) -> Result<Encoded, CompactError> {
     Err(CompactError::Inexact { table: format!("{:.4}", errors.mean), decoded: format!("{reached:.4}") })
 }
 
-/// The compact forms of a table's lobes: one, or two. The second decodes to [`Table::of_second`] without terms.
+/// The compact forms of a table's lobes: one or two forms. The second decodes to [`Table::of_second`] without terms.
 ///
 /// # Errors
 /// Like [`encode_measured`].
@@ -130,7 +131,7 @@ fn check_determinants(table: &Table) -> Result<(), CompactError> {
     Err(CompactError::Determinants { count: 1 + refused.count(), entry, place: table.place_of(entry) })
 }
 
-/// The bytes for steps of this rounding. Domain: a header and finite numbers of this table.
+/// Encodes a table with the steps of a rounding. Domain: a header and finite numbers of this table.
 fn encode_rounded(
     table: &Table,
     mut header: Header,
@@ -174,8 +175,8 @@ fn encode_rounded(
     Ok(bytes)
 }
 
-/// The table of a compact form, in its layout. `node_error` is NaN throughout. The nodes are exact, the numbers as
-/// accurate as the lobes need.
+/// Decodes a compact form to a table in its layout. The nodes are exact, and the numbers are as accurate as the lobes
+/// need. Every `node_error` is NaN.
 ///
 /// # Errors
 /// The bytes are not a compact form.

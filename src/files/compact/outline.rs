@@ -18,7 +18,7 @@ pub struct Outline {
     pub corrected: [bool; CHANNELS],
     /// The unit of corrections, in steps of their channel.
     pub correction_steps: f32,
-    /// Whether there are amplitude and Fresnel term.
+    /// Whether the form contains amplitude and Fresnel term.
     pub has_terms: bool,
     /// The position of the coded bytes.
     pub coded_at: usize,

@@ -13,8 +13,8 @@ pub(super) fn recipe(layout: Layout, nodes: [u32; 4]) -> Recipe {
     recipe_document::parse(document.as_bytes(), u64::MAX).expect("a recipe")
 }
 
-/// A table whose numbers are a function of the place in [0, 1] on each axis: from the values of the channels at the
-/// origin to their values at the far corner.
+/// A table whose numbers vary smoothly along each axis, from known values at the first nodes to known values at the last
+/// nodes, plus `bump` of the channel and the position in [0, 1] on each axis.
 ///
 /// # Panics
 /// Never: the recipe is valid.

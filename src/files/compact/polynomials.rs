@@ -1,5 +1,5 @@
-//! Gram's polynomials, which are orthonormal on evenly spaced nodes. Smooth functions need few of them. Unlike cosines,
-//! they need no more for a function that ends in a slope.
+//! Gram's polynomials, which are orthonormal on evenly spaced nodes. A smooth function needs few of them, even if its
+//! slope at the ends is not zero. Such a function would need many cosines.
 //!
 //! With `t = i - (n - 1) / 2` and `w_k = sqrt(k^2 (n^2 - k^2) / (4 (4 k^2 - 1)))`, on nodes `i = 0 .. n - 1`,
 //!
@@ -29,7 +29,7 @@ impl Bases {
         std::array::from_fn(|axis| self.0[axis].nodes())
     }
 
-    /// The coefficients whose sum is nearest to the values at the nodes.
+    /// The coefficients of the sum of polynomials that is nearest to the values at the nodes.
     pub(super) fn coefficients(&self, mut values: Vec<f64>) -> Vec<f64> {
         for axis in 0..4 {
             let (basis, after) = (&self.0[axis], self.0[axis + 1..].iter().map(Basis::nodes).product());

@@ -6,22 +6,22 @@
 use super::{decoder::CHANNELS, header::TERMS};
 use ltcforge_fit::{ALPHA_FLOOR, Reflection, THETA_CEILING, Table};
 
-/// The factor by which each channel's step is finer: the motion of the lobe with the number, in widths. For the terms,
-/// it follows from their small errors.
+/// The factor by which each channel's step is finer: how far the lobe moves, in widths, per change of the number. For
+/// the terms, the factor follows from their small errors.
 const WEIGHTS: [f64; CHANNELS] = [1.5, 1.3, 1.3, 5.0, 4.0, 1.0, 1.0, 45.0, 45.0];
-/// The step of a number, as the part of its width by which the lobe moves, and the steps of corrections.
+/// The step of a number, as the fraction of its width by which the lobe moves, and the unit of corrections in steps.
 const ANISOTROPIC: (f64, f32) = (0.015, 8.0);
-/// The same as [`ANISOTROPIC`] for tables of isotropic surfaces, which have fewer numbers and finer nodes.
+/// Like [`ANISOTROPIC`], for tables of isotropic surfaces, which have fewer numbers and finer nodes.
 const ISOTROPIC: (f64, f32) = (0.007, 8.0);
-/// The same as [`ANISOTROPIC`] for tables whose numbers minimise the error between nodes.
+/// Like [`ANISOTROPIC`], for tables whose numbers minimise the error between nodes.
 const CHOSEN: (f64, f32) = (0.015, 0.25);
-/// The factor by which the terms of these tables are rounded more coarsely.
+/// The factor by which the terms of [`CHOSEN`] tables are rounded more coarsely.
 const CHOSEN_TERMS: f64 = 1.75;
-/// The rows of smallest roughness whose numbers differ most from those of the lobes, in these tables.
+/// The number of rows, at the smallest roughness of [`CHOSEN`] tables, whose numbers differ most from their lobes'.
 const MIRROR_ROWS: usize = 2;
 /// The distance from the median of its neighbourhood, in steps, above which a number is left to corrections.
 const OUTLIER: f64 = 8.0;
-/// The error of a Fresnel term that is not corrected, in steps.
+/// The largest error of a Fresnel term that is not corrected, in steps.
 const UNSEEN: f64 = 0.08;
 
 /// The factor by which steps become finer.
@@ -32,8 +32,8 @@ const FINER: f64 = 0.8;
 pub(super) struct Rounding {
     pub(super) part_of_width: f64,
     pub(super) correction_steps: f32,
-    /// Whether numbers minimise the error between nodes. Then those of the smallest roughness and at the horizon depend
-    /// more on their neighbours than on their own lobes.
+    /// Whether the numbers minimise the error between nodes. Then the numbers of the smallest roughness and at the
+    /// horizon depend more on their neighbours than on their own lobes.
     is_chosen: bool,
 }
 
@@ -63,9 +63,9 @@ impl Rounding {
         self.part_of_width * coarser / WEIGHTS[channel]
     }
 
-    /// The numbers that polynomials should follow, for a channel with this step. If numbers minimise the error between
-    /// nodes, those of the smallest roughness and at the horizon are replaced by their neighbours' and left to
-    /// corrections. So are outliers, because a polynomial would bend all numbers around them.
+    /// The numbers that polynomials should follow, for a channel with this step. If the numbers minimise the error
+    /// between nodes, neighbours replace the numbers of the smallest roughness and at the horizon, and corrections
+    /// restore them. Outliers are replaced too, because a polynomial would bend all numbers around them.
     pub(super) fn smoothed(self, table: &Table, step: f64, mut exact: Vec<f64>) -> Vec<f64> {
         if self.is_chosen {
             let columns = table.axes().theta.len();
@@ -88,7 +88,8 @@ impl Rounding {
         if self.is_chosen && !TERMS.contains(&channel) { (narrow * narrow).min(1.0) } else { 1.0 }
     }
 
-    /// Whether an error is visible. Near the normal a Fresnel term is so small that its stored root may be off by much.
+    /// Whether an error is visible. Near the normal, a Fresnel term is so small that its stored root may have a large
+    /// error.
     pub(super) fn is_seen(
         self,
         table: &Table,

@@ -92,8 +92,8 @@ fn each_fault_of_a_table_is_named() {
     assert_eq!(encode(&table), Err(CompactError::Entry { entry: 7 }));
 }
 
-/// Such matrices are in the published table: their distributions are right, but the order of a light's vertices is
-/// reversed.
+/// The published table has matrices with a negative determinant. Their distributions are right, but they reverse the
+/// order of a light's vertices.
 #[test]
 fn matrices_that_are_not_upright_are_counted_and_named() {
     let mut table = planted(Layout::Kt2022, [4, 3, 4, 3], true, |_, _| 0.0);

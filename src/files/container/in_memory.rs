@@ -16,7 +16,7 @@ impl TableFile {
         decode(bytes)
     }
 
-    /// The canonical file.
+    /// Encodes the canonical file.
     ///
     /// # Errors
     /// [`TableFileError`] for a table that its recipe does not describe.
@@ -24,11 +24,11 @@ impl TableFile {
         encode(&self.recipe, &self.table)
     }
 
-    /// Gives a table of a tabulated BRDF the bytes of its BRDF file, which measuring needs and which the table's file
-    /// does not contain. A table that was just fitted has these bytes.
+    /// Attaches the file of a tabulated BRDF to its table. Measuring needs this file, and the table's file does not
+    /// contain it. A table that was just fitted has it already.
     ///
     /// # Errors
-    /// [`TableFileError::Brdf`] for bytes that are not a tabulated BRDF, or are another one.
+    /// [`TableFileError::Brdf`] for bytes that are not a tabulated BRDF, or not the BRDF of this table.
     pub fn attach_brdf(&mut self, bytes: &[u8]) -> Result<(), TableFileError> {
         let file = tabulated::decode(bytes).map_err(|error| TableFileError::Brdf(error.to_string()))?;
         self.find_brdf(&|_| Ok(file.clone()))
@@ -40,7 +40,7 @@ impl TableFile {
     /// [`TableFileError`] for a table of a tabulated BRDF whose file is not attached.
     pub fn measure(&self) -> Result<Report, TableFileError> {
         if !self.table.model().is_complete() {
-            return Err(TableFileError::Brdf("attach its file first".to_owned()));
+            return Err(TableFileError::Brdf("attach the BRDF file first".to_owned()));
         }
         Ok(table_report(&self.table, &self.recipe))
     }
@@ -51,7 +51,7 @@ impl TableFile {
     /// Like [`TableFile::to_bytes`] and [`TableFile::measure`].
     pub fn manifest(&self) -> Result<String, TableFileError> {
         let file = self.table.model().file().filter(|file| file.data().is_some());
-        let find = |_: &str| file.cloned().ok_or_else(|| vec!["attach its file first".to_owned()]);
+        let find = |_: &str| file.cloned().ok_or_else(|| vec!["attach the BRDF file first".to_owned()]);
         manifest_json_with(&self.to_bytes()?, &find)
     }
 }

@@ -3,8 +3,8 @@
 //! The file has f32, little-endian, C order, shape `[alpha, ratio, theta, phi, 3, 3]`: `M` row-major at the nodes of
 //! layout `kt2022` over the whole domain. It has neither nodes nor terms nor errors.
 //!
-//! The reader is written here, because crates on crates.io include a parser for all Python literals and a C compiler,
-//! to read one line of the header.
+//! We do not use a crate, because the crates on crates.io add a parser for all Python literals and a C compiler to read
+//! one line of the header.
 
 use crate::recipe_document;
 use ltcforge_fit::{PerAxis, Recipe, Table};
@@ -15,13 +15,13 @@ pub const NPY_MAGIC: &[u8] = b"\x93NUMPY";
 /// A table that was read, and the ranges of its axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NpyTable {
-    /// The table, without terms. Its `node_error` is NaN throughout, because the file does not contain it.
+    /// The table, without terms. Every `node_error` is NaN, because the file does not contain it.
     pub table: Table,
     /// Lowest and highest value on each axis.
     pub range: PerAxis<[f64; 2]>,
 }
 
-/// The bytes are not such a table.
+/// The bytes are not a table in this format.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum NpyError {
     /// The bytes are not a `.npy` file of version 1, 2 or 3.
@@ -30,7 +30,7 @@ pub enum NpyError {
     /// The header ends too early, or is not a dictionary as `NumPy` writes it.
     #[error("the header: {0}")]
     Header(String),
-    /// The elements, their order or the shape differ.
+    /// The elements, their order or the shape are not those of a table.
     #[error("«{field}» is {found}; a table has {wanted}")]
     Kind {
         /// The name of the header's field.
@@ -107,8 +107,8 @@ pub fn decode_npy(bytes: &[u8]) -> Result<NpyTable, NpyError> {
     Ok(NpyTable { table, range: recipe.range })
 }
 
-/// A recipe with these numbers of nodes in layout `kt2022` over the whole domain. The file does not state how it was
-/// fitted.
+/// A recipe with these numbers of nodes in layout `kt2022` over the whole domain. The file does not state how the table
+/// was fitted.
 fn whole_domain(nodes: &PerAxis<u64>) -> Option<Recipe> {
     let PerAxis { alpha, ratio, theta, phi } = nodes;
     let resolution = format!(r#"{{"alpha": {alpha}, "ratio": {ratio}, "theta": {theta}, "phi": {phi}}}"#);
@@ -119,7 +119,7 @@ fn whole_domain(nodes: &PerAxis<u64>) -> Option<Recipe> {
 /// The text of the header and the data after it.
 fn split(bytes: &[u8]) -> Result<(&str, &[u8]), NpyError> {
     let rest = bytes.strip_prefix(NPY_MAGIC).ok_or(NpyError::Magic)?;
-    let short = || NpyError::Header("the file ends within it".to_owned());
+    let short = || NpyError::Header("the file ends too early".to_owned());
     let (length, rest) = match rest {
         [1, _, a, b, rest @ ..] => (usize::from(u16::from_le_bytes([*a, *b])), rest),
         [2 | 3, _, a, b, c, d, rest @ ..] => (u32::from_le_bytes([*a, *b, *c, *d]) as usize, rest),
@@ -127,7 +127,7 @@ fn split(bytes: &[u8]) -> Result<(&str, &[u8]), NpyError> {
         _ => return Err(NpyError::Magic),
     };
     let (header, data) = rest.split_at_checked(length).ok_or_else(short)?;
-    let header = std::str::from_utf8(header).map_err(|_| NpyError::Header("it is not text".to_owned()))?;
+    let header = std::str::from_utf8(header).map_err(|_| NpyError::Header("it is not UTF-8".to_owned()))?;
     Ok((header, data))
 }
 
@@ -151,10 +151,10 @@ impl Header {
                 "descr" => descr.replace(reader.string()?.to_owned()).is_none(),
                 "fortran_order" => fortran_order.replace(reader.boolean()?).is_none(),
                 "shape" => shape.replace(reader.tuple()?).is_none(),
-                other => return Err(NpyError::Header(format!("«{other}» is not one of its fields"))),
+                other => return Err(NpyError::Header(format!("«{other}» is an unknown field"))),
             };
             if !is_new {
-                return Err(NpyError::Header(format!("«{name}» stands twice")));
+                return Err(NpyError::Header(format!("«{name}» is repeated")));
             }
             if !reader.take(",") {
                 reader.expect("}")?;

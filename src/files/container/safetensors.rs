@@ -3,12 +3,12 @@
 //! | tensor | type | shape |
 //! |---|---|---|
 //! | `matrix` | f32, or f16 if it is the recipe's precision | alpha, ratio, theta, phi, 3, 3 |
-//! | `matrix_2` (if the recipe has two lobes an entry) | like `matrix` | like `matrix` |
+//! | `matrix_2` (if the recipe has two lobes per entry) | like `matrix` | like `matrix` |
 //! | `amplitude`, `fresnel` (if the recipe has terms), `edge` (with F82), `node_error` | like `matrix` | alpha, ratio, theta, phi |
 //! | `axis_alpha`, `axis_ratio`, `axis_theta`, `axis_phi` | f64 | nodes |
 //!
-//! Layout `materials` has one ratio for each alpha: `axis_ratio` is as long as `axis_alpha`, and the shape has 1 for
-//! it.
+//! Layout `materials` has one ratio for each alpha: `axis_ratio` is as long as `axis_alpha`, and the shape has length 1
+//! on the ratio axis.
 //!
 //! Equal recipes and tables give equal bytes, and no other bytes decode to them.
 
@@ -73,7 +73,7 @@ pub enum TableFileError {
     #[error("no valid recipe under the metadata key «{RECIPE_KEY}»: {0}")]
     Recipe(String),
     /// The file of a tabulated BRDF was not found.
-    #[error("the table is of a tabulated BRDF, and the file of the BRDF was not found: {0}")]
+    #[error("the file of the table's tabulated BRDF was not found: {0}")]
     Brdf(String),
     /// A tensor is missing, or its type or shape does not match the recipe.
     #[error("tensor «{name}»: {detail}")]
@@ -135,18 +135,19 @@ pub fn encode(recipe: &Recipe, table: &Table) -> Result<Vec<u8>, TableFileError>
         .map_err(|error| TableFileError::Container(error.to_string()))
 }
 
-/// The length of a canonical file with this beginning, from its header, which must be complete, and the table of the
-/// recipe in the header. This detects other files before they are read.
+/// The length of a canonical file, computed from the complete header at its beginning. This detects other files before
+/// they are read.
 ///
 /// # Errors
 /// The header is incomplete, is not that of a table, or has no recipe.
 pub fn stated_length(beginning: &[u8]) -> Result<u64, TableFileError> {
     let refused = |reason: String| TableFileError::Container(reason);
-    let (length, rest) = beginning.split_first_chunk::<8>().ok_or_else(|| refused("it is too short".to_owned()))?;
+    let (length, rest) =
+        beginning.split_first_chunk::<8>().ok_or_else(|| refused("the file is too short".to_owned()))?;
     let length = u64::from_le_bytes(*length);
     let header = usize::try_from(length).ok().and_then(|length| rest.get(..length));
     let header = header.ok_or_else(|| {
-        refused(format!("its header has {length} bytes; at most {} are present or allowed", rest.len()))
+        refused(format!("the header has {length} bytes, but at most {} are present or allowed", rest.len()))
     })?;
     let header: Metadata = serde_json::from_slice(header).map_err(|error| refused(error.to_string()))?;
     let recipe = recipe_of(&header)?;

@@ -8,7 +8,7 @@ use super::reader::{Faults, Object, echo};
 use ltcforge_fit::{GivenNodes, Layout, PerAxis};
 
 pub(super) const AXES: [&str; 4] = ["alpha", "ratio", "theta", "phi"];
-/// The most nodes on an axis, which is more than the texels along a side of any texture.
+/// Maximum number of nodes on an axis, which is enough for the largest textures.
 pub(super) const MOST_NODES: u32 = 16_384;
 
 /// The bounds of each axis's range. They are the default for anisotropic surfaces in every preset.

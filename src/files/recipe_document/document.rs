@@ -19,7 +19,7 @@ use ltcforge_fit::{
     Recipe, Shear, Simplex, Solver, Start, StoredTerms, TabulatedAxes,
 };
 
-/// The most entries of a table, unless the caller sets another limit.
+/// Maximum number of entries of a table, unless the caller sets another limit.
 pub const DEFAULT_ENTRY_LIMIT: u64 = 2_000_000;
 
 const FIELDS: [&str; 14] = [
@@ -50,7 +50,7 @@ pub(super) const STEPS: [u32; 2] = [1, 100_000];
 /// The largest seed: whole numbers up to here are exact in every JSON reader.
 pub(super) const MOST_SEED: u64 = (1 << 53) - 1;
 
-/// The tolerance between a file's ends in f32 and a document's ends in decimals.
+/// Tolerance of a range that a document repeats in decimals and a file stores in f32.
 const FILE_TOLERANCE: f64 = 1e-6;
 
 /// Reads a document into a complete recipe.

@@ -7,7 +7,7 @@ use ltcforge_fit::{BrdfKind, LobeFresnel, LobeModel, SecondLobe, WeightedF0};
 
 /// The smallest usable F0. Below it, samples near the normal have almost no weight, and few samples determine the lobe.
 const LEAST_F0: f64 = 1e-3;
-/// The most materials in a mix.
+/// Maximum number of materials in a mix.
 const MOST_MATERIALS: usize = 64;
 /// The largest weight of a material.
 const MOST_WEIGHT: f64 = 1e9;

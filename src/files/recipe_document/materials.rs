@@ -76,7 +76,8 @@ fn read_material(pointer: String, item: &Value, brdf: BrdfKind, faults: &mut Fau
     (faults.0.len() == before).then_some(pair)
 }
 
-/// Checks the number of theta nodes. Textures store the roughness of each material after the terms of two theta nodes.
+/// Checks that there are at least two theta nodes. Textures store alpha next to the terms of the first theta node, and
+/// the ratio next to the terms of the second.
 pub(super) fn check_thetas(recipe: &Recipe, faults: &mut Faults) {
     let Recipe { layout, resolution, range, .. } = recipe;
     if layout.is_of_materials() && resolution.theta < LEAST_THETAS {
@@ -119,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn every_fault_of_the_list_is_told_at_once() {
+    fn every_fault_of_the_list_is_reported_at_once() {
         let found = faults(
             r#"{"layout": "materials", "nodes": {"alpha": [0.1]}, "range": {"theta": [0.5, 0.5]}, "materials": [
                 {"alpha": 1.5}, {"alpha": 0.5, "ratio": 0.5}, {"alpha_x": 0.1, "alpha_y": 0.2}, {"alpha_x": 0.5, "alpha_y": 0.25},

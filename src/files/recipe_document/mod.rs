@@ -63,7 +63,7 @@ pub fn parse_with(json: &[u8], entry_limit: u64, find: &FindBrdf<'_>) -> Result<
     read(json, entry_limit, FITTER_VERSION..=FITTER_VERSION, find)
 }
 
-/// Reads the recipe of a stored table, which may be of an older fitter. The file of a tabulated BRDF is not read.
+/// Reads the recipe of a stored table, which may come from an older fitter. The file of a tabulated BRDF is not read.
 ///
 /// # Errors
 /// Like [`parse`].

@@ -10,9 +10,9 @@ pub enum Preset {
     Draft,
     /// For work in progress.
     Standard,
-    /// For a table that ships, at the paper's size.
+    /// For a table to ship, as large as in the paper.
     Paper,
-    /// For the best table, if minutes do not matter.
+    /// For the best table, if fitting may take minutes.
     Best,
 }
 

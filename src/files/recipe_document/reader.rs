@@ -4,7 +4,7 @@ use serde_json::{Map, Value};
 
 use super::fault::Fault;
 
-/// The longest piece of an offending value that is repeated to the sender.
+/// Maximum length of an invalid value in an error message.
 const LONGEST_ECHO: usize = 80;
 
 /// The list of errors.

@@ -129,7 +129,7 @@ fn a_single_value_takes_one_node() {
 }
 
 #[test]
-fn nodes_are_given_in_place_of_a_range_and_a_resolution() {
+fn nodes_replace_a_range_and_a_resolution() {
     let given = recipe(r#"{"nodes": {"alpha": [0.04, 0.09, 0.25], "ratio": [1]}, "range": {"phi": [0, 0]}}"#)
         .expect("a recipe");
     assert_eq!((given.entries(), given.range.alpha, given.resolution.ratio), (3 * 9, [0.04, 0.25], 1));
@@ -170,7 +170,7 @@ fn the_entry_limit_counts_the_whole_table() {
 }
 
 #[test]
-fn what_is_not_json_is_told_apart() {
+fn text_that_is_not_json_has_its_own_error() {
     for text in ["", "{", r#"{"fit": NaN}"#, r#"{"range": {"alpha": [0, 1e999]}}"#] {
         assert!(matches!(recipe(text), Err(RecipeError::Json(_))), "{text}");
     }
@@ -178,7 +178,7 @@ fn what_is_not_json_is_told_apart() {
 }
 
 #[test]
-fn a_field_that_stands_twice_is_refused() {
+fn a_repeated_field_is_refused() {
     for text in [r#"{"preset": "draft", "preset": "paper"}"#, r#"{"fit": {"seed": 1, "steps": 2, "seed": 1}}"#] {
         match recipe(text) {
             Err(RecipeError::Json(detail)) => assert!(detail.contains("is repeated"), "{detail}"),
@@ -268,7 +268,7 @@ fn a_simplex_has_its_choices_and_other_solvers_none() {
     );
 }
 
-/// Every metric with every solver is a recipe, for isotropic surfaces.
+/// For isotropic surfaces, every combination of metric and solver is a valid recipe.
 #[test]
 fn metrics_and_solvers_combine_freely() {
     for (metric, solver) in Metric::ALL.iter().flat_map(|m| Solver::ALL.iter().map(move |s| (*m, *s))) {
@@ -290,7 +290,7 @@ fn metrics_and_solvers_combine_freely() {
 }
 
 #[test]
-fn what_gaussians_need_is_told_all_at_once() {
+fn requirements_of_gaussians_are_reported_all_at_once() {
     assert_eq!(recipe(r#"{"lobe": "asg"}"#).expect("a recipe").lobe, LobeModel::Asg);
     assert_eq!(recipe(r#"{"lobe": "sg", "brdf": "charlie"}"#).expect("a recipe").layout, Layout::Kt2022);
     let wrong = r#"{"lobe": "sg", "layout": "ltc2017", "terms": false, "fit": {"solver": "sgd"}}"#;
@@ -301,7 +301,7 @@ fn what_gaussians_need_is_told_all_at_once() {
 }
 
 #[test]
-fn terms_of_f82_are_told_and_refused_where_nothing_reflects() {
+fn terms_of_f82_are_stored_and_refused_where_nothing_reflects() {
     let metal = recipe(r#"{"terms": "f82"}"#).expect("a recipe");
     assert_eq!((metal.terms, metal.terms.count()), (StoredTerms::F82, 3));
     let text = canonical_json(&metal);
@@ -314,7 +314,7 @@ fn terms_of_f82_are_told_and_refused_where_nothing_reflects() {
 }
 
 #[test]
-fn a_byte_order_mark_is_no_part_of_a_document() {
+fn a_byte_order_mark_is_not_part_of_a_document() {
     let marked = parse("\u{feff}{\"layout\": \"ltc2017\"}".as_bytes(), u64::MAX).expect("a recipe");
     assert_eq!(digest(&marked), digest(&parse(br#"{"layout": "ltc2017"}"#, u64::MAX).expect("a recipe")));
     assert!(parse("\u{feff}\u{feff}{}".as_bytes(), u64::MAX).is_err());

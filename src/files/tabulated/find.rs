@@ -1,4 +1,4 @@
-//! Finding the files of tabulated BRDFs.
+//! Finds the files of tabulated BRDFs.
 
 use std::path::{Path, PathBuf};
 
@@ -6,15 +6,15 @@ use super::{TABULATED_LIMIT_BYTES, TabulatedError, decode};
 use crate::{bounded::read_file, digest::Digest};
 use ltcforge_fit::TabulatedFile;
 
-/// A function that finds the file that a recipe names, or returns all errors, one in each line.
+/// A function that finds the file that a recipe names, or returns all errors, one per line.
 pub type FindBrdf<'a> = dyn Fn(&str) -> Result<TabulatedFile, Vec<String>> + 'a;
 
-/// Finds no file: for documents that name no file.
+/// A [`FindBrdf`] that finds nothing, for documents that name no file.
 ///
 /// # Errors
 /// Always.
 pub fn no_files(name: &str) -> Result<TabulatedFile, Vec<String>> {
-    Err(vec![format!("{name:?}: files of BRDFs are not available here")])
+    Err(vec![format!("{name:?}: BRDF files are not available here")])
 }
 
 /// The name of a tabulated BRDF's file in the folder of the tables that were fitted to it.
@@ -35,7 +35,7 @@ pub struct Located {
 /// relative to the first folder.
 ///
 /// # Errors
-/// The file is missing, cannot be read, is not a tabulated BRDF, or has another digest than its name.
+/// The file is missing, cannot be read, is not a tabulated BRDF, or does not have the digest in its name.
 pub fn locate(folders: &[PathBuf], name: &str) -> Result<Located, Vec<String>> {
     let digest: Option<Digest> = name.parse().ok();
     let Some(digest) = digest else {

@@ -24,13 +24,13 @@ use ltcforge_fit::{TabulatedAxes, TabulatedBrdf, TabulatedFile};
 
 pub use find::{FindBrdf, Located, kept_name, locate, no_files};
 
-/// The longest file of a tabulated BRDF: twice the size of the most numbers allowed.
+/// Maximum size of a tabulated BRDF's file: twice the size of the largest allowed BRDF in f64.
 pub const TABULATED_LIMIT_BYTES: u64 = 64 << 20;
 
-/// The longest header: seven tensors need some hundred bytes.
+/// Maximum size of the header. Seven tensors need a few hundred bytes.
 pub const TABULATED_HEADER_LIMIT_BYTES: u64 = 64 << 10;
 
-/// The most letters of an unknown tensor's name in a message.
+/// Maximum length of an unknown tensor's name in a message.
 const LONGEST_ECHO: usize = 100;
 
 const VALUE: &str = "value";
@@ -145,7 +145,7 @@ fn numbers(tensor: &TensorView) -> Option<Vec<f64>> {
 /// The file of a tabulated BRDF: axes in f64, values in f32.
 ///
 /// # Errors
-/// The error of the container; checked axes and values give none.
+/// The error of the container. Valid axes and values cause no error.
 pub fn encode(brdf: &TabulatedBrdf) -> Result<Vec<u8>, TabulatedError> {
     let axes = brdf.axes();
     let named = axes.named().into_iter().filter(|(_, nodes)| !nodes.is_empty());

@@ -73,7 +73,7 @@ fn a_file_is_known_by_a_short_header() {
 }
 
 #[test]
-fn every_fault_of_a_container_is_told_at_once() {
+fn every_fault_of_a_container_is_reported_at_once() {
     let reported = |bytes: &[u8]| decode(bytes).expect_err("faults").0;
     assert!(reported(b"PK")[0].starts_with("not a safetensors file: "));
     let wrong = file(&[
@@ -88,7 +88,7 @@ fn every_fault_of_a_container_is_told_at_once() {
         "tensor «theta_i»: missing",
         "tensor «theta_o»: shape [2, 1]; allowed: one axis",
         "tensor «value»: shape [2, 3]; the axes have [2, 0, 2]",
-        "tensor «theta_i»: 0 nodes; allowed: 2 and more",
+        "tensor «theta_i»: 0 nodes; allowed: 2 or more",
         "tensor «phi»: nodes go from 0 to 1; they must go from 0 to 3.141592653589793",
         "tensor «value»: 5 of 6 numbers are negative; the first is -1, at element 1",
     ];
@@ -97,7 +97,7 @@ fn every_fault_of_a_container_is_told_at_once() {
 
 /// Azimuths cover a whole turn if the view has azimuths, and an axis that is present has nodes.
 #[test]
-fn every_fault_of_azimuths_is_told_at_once() {
+fn every_fault_of_azimuths_is_reported_at_once() {
     let reported = decode(&file(&[
         ("alpha", vec![0], 1.0),
         ("ratio", vec![0], 1.0),

@@ -5,11 +5,11 @@ use glam::{DMat3, DVec3};
 use super::five::{ELEMENTS, matrix};
 use crate::{layout::FreeNumbers, math::concentric_cosine};
 
-/// Rings and sectors of the clamped cosine. Each cell has one direction.
+/// The number of rings of the clamped cosine. Rings are divided into sectors, and each cell has one direction.
 const RINGS: usize = 3;
 const SECTORS: usize = 4;
 
-/// A quadratic form of the five numbers.
+/// The matrix of a quadratic form in the five numbers.
 pub(super) type QuadraticForm = [[f64; 5]; 5];
 
 /// Directions distributed like a clamped cosine.
@@ -24,15 +24,15 @@ impl Displacement {
         Self { cosines: (0..RINGS * SECTORS).map(cosine).collect() }
     }
 
-    /// The mean square displacement of the lobe of a stored matrix, as a form of the changes of its five numbers. The
-    /// fixed number has zeros in it.
+    /// The mean square displacement of a lobe, as a quadratic form in the changes of the five numbers of its stored
+    /// matrix. The row and the column of the fixed number are zero.
     pub(super) fn form(&self, stored: &DMat3, free: FreeNumbers) -> QuadraticForm {
         let inverse = stored.inverse();
         let m = if free.is_inverse { &inverse } else { stored };
         let mut form = [[0.0; 5]; 5];
         for cosine in &self.cosines {
             let w = (*m * *cosine).normalize();
-            // The direction before the matrix `M` is applied, divided by the length that `M` gives it.
+            // The direction of the cosine before `M` is applied, divided by its length after `M` is applied.
             let before = inverse * w;
             let moves: [DVec3; 5] = std::array::from_fn(|k| {
                 let mut change = [0.0; 5];
@@ -87,8 +87,8 @@ mod tests {
             let changed = stored + matrix(&change) * step;
             let changed = if is_inverse { changed.inverse() } else { changed };
             let found = displacement.mean_square(&m, &changed) / (step * step);
-            // A direction w of the changed lobe comes from a different direction of the cosine. For inverses the means
-            // agree only to first order, and the step is small enough for that.
+            // A direction w of the changed lobe comes from a different direction of the cosine. For inverse matrices,
+            // the measured and the predicted mean therefore agree only to first order, and the step must be small.
             prop_assert!((found - predicted).abs() <= 1e-3 * predicted + 1e-6, "{found} {predicted}");
         }
     }

@@ -1,8 +1,9 @@
-//! The numbers of a matrix that are free for an isotropic lobe.
+//! The five numbers of a matrix that are not zero for an isotropic surface.
 
 use glam::DMat3;
 
-/// The five numbers of a matrix that is symmetric about the plane of incidence, by column and row.
+/// Column and row of each of the five numbers. The lobe is symmetric about the plane of incidence, so the others are
+/// zero.
 pub(super) const ELEMENTS: [[usize; 2]; 5] = [[0, 0], [0, 2], [1, 1], [2, 0], [2, 2]];
 
 pub(super) fn numbers(matrix: &DMat3) -> [f64; 5] {

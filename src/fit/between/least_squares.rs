@@ -1,5 +1,5 @@
-//! Weighted least squares over a grid. It finds the numbers at the nodes whose bilinear interpolation is nearest to
-//! given numbers between the nodes.
+//! Weighted least squares over a grid. It finds the numbers at the nodes such that their bilinear interpolation is
+//! nearest to given numbers between the nodes.
 
 /// Nodes of a grid, in storage order: the second axis varies fastest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -8,17 +8,18 @@ pub(super) struct Grid {
     pub(super) columns: usize,
 }
 
-/// The largest number of conjugate gradient steps. A few tens suffice.
+/// The largest number of conjugate gradient steps. A few dozen are usually enough.
 const MOST_STEPS: usize = 200;
 /// The iteration stops when the squared residual, in the norm of the preconditioner, has fallen by this factor.
 const CONVERGED: f64 = 1e-20;
 /// The weight of a pinned number, relative to the weight of its observations.
 const PINNED: f64 = 1e8;
 
-/// The normal equations `A x = b` with `D` numbers a node.
+/// The normal equations `A x = b` with `D` numbers per node.
 ///
-/// An observation at a point has numbers `t`, a symmetric weight `W`, and the interpolation weights `phi` of the four
-/// nodes around it. It adds `phi_i phi_j W` to the block of `A` for each pair of nodes, and `phi_i W t` to `b`.
+/// An observation at a point has target numbers `t`, a symmetric weight `W`, and the interpolation weights `phi` of the
+/// four nodes around the point. It adds `phi_i phi_j W` to the block of `A` for each pair of nodes, and `phi_i W t` to
+/// `b`.
 pub(super) struct Normal<const D: usize> {
     grid: Grid,
     /// The blocks of each node with itself and its eight neighbours, in storage order.
@@ -32,8 +33,8 @@ impl<const D: usize> Normal<D> {
         Self { grid, blocks: vec![[[[0.0; D]; D]; 9]; nodes], right: vec![[0.0; D]; nodes] }
     }
 
-    /// Adds an observation in the cell after the node at `row` and `column`. `at` is the position in the cell, in [0,
-    /// 1].
+    /// Adds an observation in the cell whose first corner is the node at `row` and `column`. `at` is the position in
+    /// the cell, in [0, 1].
     pub(super) fn observe(
         &mut self,
         [row, column]: [usize; 2],
@@ -60,8 +61,8 @@ impl<const D: usize> Normal<D> {
         }
     }
 
-    /// Draws each number of a node towards `x`, with a weight of `part` times its weight so far. A pinned number is
-    /// drawn strongly towards its pin.
+    /// Pulls each number of a node towards `x`. The weight is `part` times the weight of the number's observations. A
+    /// pinned number is pulled strongly towards its pin.
     pub(super) fn regularise(&mut self, x: &[[f64; D]], part: f64, pins: &[[Option<f64>; D]]) {
         for (((blocks, right), x), pins) in self.blocks.iter_mut().zip(&mut self.right).zip(x).zip(pins) {
             for k in 0..D {
@@ -76,7 +77,8 @@ impl<const D: usize> Normal<D> {
         }
     }
 
-    /// The solution by conjugate gradients from the initial guess `x`. The preconditioner is the diagonal blocks.
+    /// Solves the equations by conjugate gradients from the initial guess `x`. The preconditioner consists of the
+    /// diagonal blocks.
     pub(super) fn solve(&self, mut x: Vec<[f64; D]>) -> Vec<[f64; D]> {
         let factors: Vec<[[f64; D]; D]> = self.blocks.iter().map(|blocks| cholesky(&blocks[OWN])).collect();
         let precondition =
@@ -162,7 +164,7 @@ fn cholesky<const D: usize>(block: &[[f64; D]; D]) -> [[f64; D]; D] {
         for j in 0..=i {
             let known: f64 = (0..j).map(|k| lower[i][k] * lower[j][k]).sum();
             let left = block[i][j] - known;
-            // Rounding must not make a pivot negative in a direction without weight.
+            // In a direction without weight, rounding could otherwise make the pivot negative.
             lower[i][j] = if i == j { left.max(1e-12 * block[i][i]).sqrt() } else { left / lower[j][j] };
         }
     }

@@ -1,5 +1,5 @@
-//! The best lobes between the nodes, interpolated from the lobes at the nodes. The interpolation is relative to the
-//! reflection for lobes that follow it.
+//! Estimates the best lobes between the nodes by interpolating the lobes at the nodes. Lobes that follow the reflection
+//! are interpolated relative to the reflection.
 
 use glam::DMat3;
 
@@ -22,8 +22,8 @@ pub(super) struct InterpolatedLobe {
     pub(super) error: f64,
 }
 
-/// The fitted lobes in numbers that change little between nodes. They are relative to the reflection if the lobes
-/// follow it.
+/// The fitted lobes, as numbers that change little between nodes. The numbers are relative to the reflection if the
+/// lobes follow the reflection.
 pub(super) struct Lobes {
     spacing: PerAxis<Spacing>,
     /// The layout whose numbers change little between nodes.
@@ -63,12 +63,13 @@ impl Lobes {
         }
     }
 
-    /// The angle in radians between the nodes of theta at the sides of the cells after `column`.
+    /// The angle in radians between the theta nodes `column` and `column + 1`.
     pub(super) fn angle(&self, column: usize) -> f64 {
         self.angles[column + 1] - self.angles[column]
     }
 
-    /// The lobe in the cell after the node at `row` and `column`. `at` is the position in the cell, in [0, 1].
+    /// The lobe in the cell whose first corner is the node at `row` and `column`. `at` is the position in the cell, in
+    /// [0, 1].
     pub(super) fn between(&self, [row, column]: [usize; 2], at: [f64; 2]) -> InterpolatedLobe {
         let middle = |steps: &[f64], part: f64| steps[0] + (steps[1] - steps[0]) * part;
         let place = within_limits(PerAxis {

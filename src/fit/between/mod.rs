@@ -1,12 +1,12 @@
 //! Chooses entries that minimise the error *between* nodes.
 //!
-//! A reader interpolates stored numbers. If the best numbers are not linear between nodes, entries fitted at the nodes
-//! leave an error in the middle of each cell. Some layouts have a fixed reader. For these the fit chooses the numbers
-//! whose interpolation is nearest to the best lobes over the whole cells.
+//! A renderer interpolates the stored numbers. If the best numbers are not linear between nodes, entries fitted at the
+//! nodes leave an error in the middle of each cell. The lookup of some layouts is fixed by existing shaders. For these
+//! layouts, the fit chooses numbers whose interpolation is nearest to the best lobes over whole cells.
 //!
-//! The best lobes between nodes need no fits. Lobes hardly change between neighbouring nodes, either relative to their
-//! reflection (layout `reflected`) or, for lobes that do not follow it, as they are. So the fitted lobes are
-//! interpolated.
+//! The best lobes between nodes need no extra fits: the fitted lobes are interpolated. Relative to the reflection
+//! (layout `reflected`), lobes hardly change between neighbouring nodes. Lobes that do not follow the reflection hardly
+//! change even in the frame of the surface.
 //!
 //! The distance is a quadratic form of the stored numbers. Let `M` be the lobe's matrix and `N` its inverse. A change
 //! `dN` of `N` moves a direction `w` of the lobe by
@@ -17,8 +17,8 @@
 //!
 //! up to higher orders. The mean square of the displacement over the lobe, divided by the square of the fit's error at
 //! that point, is `dN^T W dN`. A sliced Wasserstein distance is a mean of absolute displacements. A displacement of `r`
-//! errors therefore adds about `sqrt(1 + r^2) - 1` of the error. Repeated rounds of least squares account for this:
-//! each round weighs by the `r` of the previous round.
+//! times the error therefore increases the error by about the factor `sqrt(1 + r^2)`. Least squares runs in rounds to
+//! account for this: each round computes its weights from the `r` of the previous round.
 
 mod distance;
 mod five;
@@ -40,23 +40,23 @@ use super::{
     shard::Plan,
 };
 
-/// Larger tables are stored as fitted. Their nodes are so dense that no error remains to reduce.
+/// Larger tables are stored as fitted. Their nodes are so dense that hardly any error remains between nodes.
 const MOST_ENTRIES: usize = 65_536;
 /// Rounds of least squares. A third round has no measurable effect.
 const ROUNDS: usize = 2;
 /// Observed positions along each side of a cell.
 const POINTS: [f64; 3] = [1.0 / 6.0, 0.5, 5.0 / 6.0];
-/// The weight that draws an entry to its fitted value, relative to its other weight. Entries that their neighbours
-/// hardly determine remain as fitted.
+/// The weight that pulls an entry towards its fitted value, relative to the weight of its observations. An entry that
+/// the observations hardly determine keeps its fitted value.
 const REGULARISATION: f64 = 1e-3;
-/// Views beyond this part of a right angle hardly count. Most of their lobe is below the horizon, and a picture shows
-/// nothing of it.
+/// Views beyond this fraction of a right angle get little weight. Most of their lobe is below the horizon, where it is
+/// not visible.
 const STEEPEST: f64 = 0.99;
 /// The weight of a view beyond [`STEEPEST`].
 const STEEP_WEIGHT: f64 = 0.02;
 
-/// The stored numbers of each entry, before rounding. `own` are the numbers that fit each entry's own lobe. `None` for
-/// a layout whose entries are stored as fitted, and for a table with too many entries or axes.
+/// The stored numbers of each entry, before rounding. `own` holds the numbers fitted to each entry's own lobe. Returns
+/// `None` for a layout whose entries are stored as fitted, and for a table with too many entries or axes.
 pub(super) fn chosen(plan: &Plan, entries: &[FittedEntry], own: &[LobeNumbers]) -> Option<Vec<LobeNumbers>> {
     let recipe = plan.recipe();
     let rules = recipe.layout.rules();
@@ -73,14 +73,14 @@ pub(super) fn chosen(plan: &Plan, entries: &[FittedEntry], own: &[LobeNumbers]) 
     Some(matrices.into_iter().zip(terms).map(limited).collect())
 }
 
-/// Values to which numbers of an entry are pinned.
+/// The values to which the numbers of an entry are pinned; `None` for a number that is not pinned.
 type Pins = [Option<f64>; 5];
 /// Indices of the diagonal among the five numbers.
 const DIAGONAL: [usize; 3] = [0, 2, 4];
 /// Indices of the two off-diagonal numbers.
 const ASIDE: [usize; 2] = [1, 3];
-/// The smallest part of a fitted diagonal number that least squares may choose. Without this limit, a number would fall
-/// below zero next to the mirror, where it curves most.
+/// The smallest diagonal number that least squares may choose, relative to the fitted number. Without this limit, a
+/// number would fall below zero near the smallest roughness, where the numbers curve most.
 const LEAST_PART: f64 = 0.25;
 
 fn matrices(plan: &Plan, grid: Grid, lobes: &Lobes, own: &[LobeNumbers], free: FreeNumbers) -> Vec<DMat3> {
@@ -104,7 +104,8 @@ fn matrices(plan: &Plan, grid: Grid, lobes: &Lobes, own: &[LobeNumbers], free: F
                 corners(at).map(of).iter().sum::<f64>() - target[k]
             });
             let moved2: f64 = (0..25).map(|i| off[i / 5] * weight[i / 5][i % 5] * off[i % 5]).sum();
-            // Projections of a displacement have half its mean length.
+            // On average, the projection of a displacement on a random direction has half the length of the
+            // displacement.
             let errors2 = 0.25 * moved2.max(0.0) / (error * error);
             let factor = view_weight(place.theta) * lobes.angle(cell[1]) / (error * error * (1.0 + errors2).sqrt());
             weight.iter_mut().flatten().for_each(|weight| *weight *= factor);
@@ -152,8 +153,8 @@ fn is_from_above(grid: Grid, node: usize) -> bool {
     node.is_multiple_of(grid.columns)
 }
 
-/// The constraints of the round lobe of a view from above. The off-diagonal numbers are zero. The first two diagonal
-/// numbers are equal; if the layout fixes either, both keep their fitted value.
+/// The pins of an entry. The lobe of a view from above is round, so the off-diagonal numbers are pinned to zero. If the
+/// layout fixes one of the first two diagonal numbers, both keep their fitted value. Other views have no pins.
 fn from_above(grid: Grid, node: usize, own: &[f64; 5], free: FreeNumbers) -> Pins {
     let mut pins = [None; 5];
     if is_from_above(grid, node) {
@@ -169,8 +170,8 @@ fn from_above(grid: Grid, node: usize, own: &[f64; 5], free: FreeNumbers) -> Pin
     pins
 }
 
-/// The matrix of an entry. It is round for a view from above. It is the fitted matrix if the chosen matrix is mirrored
-/// or nearly flat.
+/// The chosen matrix of an entry, made round for a view from above. If the chosen matrix is mirrored or nearly flat,
+/// returns the fitted matrix instead.
 fn upright(grid: Grid, node: usize, found: &[f64; 5], own: &[f64; 5]) -> DMat3 {
     let mut found = *found;
     if is_from_above(grid, node) {
@@ -181,7 +182,8 @@ fn upright(grid: Grid, node: usize, found: &[f64; 5], own: &[f64; 5]) -> DMat3 {
     if area(&found) > LEAST_PART * LEAST_PART * area(own) { matrix(&found) } else { matrix(own) }
 }
 
-/// Amplitude and Fresnel term. Their errors have the same weight everywhere.
+/// The chosen amplitude and Fresnel term of each entry. Their errors are weighted only by the view and the cell's
+/// angle.
 fn terms(grid: Grid, lobes: &Lobes, own: &[LobeNumbers]) -> Vec<LobeTerms> {
     let own: Vec<[f64; 2]> = own.iter().map(|stored| [stored.terms.amplitude, stored.terms.fresnel]).collect();
     let mut normal = Normal::new(grid);
@@ -195,7 +197,7 @@ fn terms(grid: Grid, lobes: &Lobes, own: &[LobeNumbers]) -> Vec<LobeTerms> {
     found.map(|[amplitude, fresnel]| LobeTerms { amplitude: amplitude.max(0.0), fresnel: fresnel.max(0.0) }).collect()
 }
 
-/// The points of all cells: the node before the cell, and the position in the cell.
+/// The observed points of all cells: the first node of the cell, and the position in the cell.
 fn observed(grid: Grid) -> impl Iterator<Item = ([usize; 2], [f64; 2])> {
     (1..grid.rows).flat_map(move |row| {
         (1..grid.columns).flat_map(move |column| {

@@ -62,7 +62,8 @@ fn as_fitted(plan: &Plan, entries: &[FittedEntry], chosen: &Table) -> Table {
     Table { matrix, terms: Some(terms), ..chosen.clone() }
 }
 
-/// Mean errors of lobes and of amplitudes in the middles of the cells, relative to the error of a fit at that point.
+/// Mean errors of lobes and amplitudes at the centres of the cells. The error of a lobe is relative to the error of a
+/// fit at that point.
 fn errors(table: &Table) -> [f64; 2] {
     let mut judge = Fitter::new(&SETTINGS);
     let mut sums = [0.0; 2];
@@ -83,7 +84,7 @@ fn errors(table: &Table) -> [f64; 2] {
 
 #[test]
 fn chosen_entries_are_nearer_between_nodes_than_fitted_entries() {
-    // With 16 nodes `inverse` remains as fitted, and `matrix33` has little to gain.
+    // The test leaves out two layouts: with 16 nodes, `inverse` is stored as fitted and `matrix33` hardly improves.
     for layout in OF_ENGINES {
         let (plan, entries) = fitted(layout, 16, Precision::F32);
         let chosen = assemble(&plan, &entries);
@@ -94,7 +95,7 @@ fn chosen_entries_are_nearer_between_nodes_than_fitted_entries() {
     }
 }
 
-/// On a grid with few nodes, the quadratic form is far from the displacement.
+/// On a grid with few nodes, the quadratic form is a poor estimate of the displacement.
 #[test]
 fn coarse_tables_are_no_worse_than_as_fitted() {
     let mut kept = 0;
@@ -111,7 +112,7 @@ fn coarse_tables_are_no_worse_than_as_fitted() {
     assert!((1..24).contains(&kept), "{kept} of 24 tables are stored as fitted");
 }
 
-/// Tests nodes and points between them, including the mirror and the horizon, in either precision.
+/// Tests nodes and points between them, including the smallest roughness and the horizon, in both precisions.
 #[test]
 fn every_interpolated_matrix_is_upright_and_every_number_finite() {
     for (layout, precision) in ISOTROPIC.iter().flat_map(|layout| Precision::ALL.iter().map(|p| (*layout, *p))) {

@@ -30,7 +30,7 @@ impl BrdfRules for BeckmannRules {
     }
 }
 
-/// Above this exponent `exp(-x)` is set to zero, because its factor can be infinite.
+/// Above this exponent `exp(-x)` is set to zero, because the factor in front of it can be infinite.
 const MOST_EXPONENT: f64 = 700.0;
 
 impl Beckmann {
@@ -73,8 +73,8 @@ impl Beckmann {
         i / (o + i * (1.0 - o))
     }
 
-    /// A normal visible from `wo`. If both roughnesses are stretched to one, the slopes along and across the view are
-    /// independent [Heitz and d'Eon 2014].
+    /// A normal visible from `wo`. If the surface is stretched such that both roughnesses are one, the slopes along and
+    /// across the view are independent [Heitz and d'Eon 2014].
     fn visible_normal(&self, wo: DVec3, u: [f64; 2]) -> DVec3 {
         let stretched = DVec3::new(self.alpha_x * wo.x, self.alpha_y * wo.y, wo.z).normalize();
         let flat = stretched.truncate();
@@ -207,7 +207,7 @@ impl Brdf for Beckmann {
 mod tests {
     use super::*;
 
-    /// Tests views from the normal to the horizon, and slopes from the rarest to the steepest visible.
+    /// Tests views from the normal to the horizon, and probabilities from nearly 0 to nearly 1.
     #[test]
     fn slopes_are_inverted() {
         assert!((normal_slope(0.975) - 1.385_903_824).abs() < 1e-5, "1.96 standard deviations");

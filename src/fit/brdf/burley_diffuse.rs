@@ -45,7 +45,7 @@ impl BrdfRules for BurleyDiffuseRules {
     }
 }
 
-/// Rough surfaces reflect more light near the horizon than the cosine does, but never more than a few times as much.
+/// The lobe of a rough surface is up to a few times brighter near the horizon than a cosine lobe.
 const SAMPLER: Hemisphere = Hemisphere { uniform: 0.25 };
 
 impl Brdf for BurleyDiffuse {

@@ -8,8 +8,8 @@ use super::scattering::{Bends, Brdf, BrdfRules, BrdfSample, PredictionFactors};
 use crate::math::{SquarePoint, exp, pow};
 
 /// The sheen of Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF", with a Fresnel factor of one:
-/// `f = D / (4 cos o cos i (1 + Lambda(o) + Lambda(i)))`. Their softening of the terminator is left out. It would treat
-/// view and light differently, and this BRDF is reciprocal.
+/// `f = D / (4 cos o cos i (1 + Lambda(o) + Lambda(i)))`. Their softening of the terminator is left out: it treats view
+/// and light differently, so the BRDF would not be reciprocal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Charlie {
     fibres: Fibres,
@@ -43,7 +43,7 @@ const SHAPES: [[f64; 5]; 2] =
     [[25.3245, 3.32435, 0.16801, -1.27393, -4.85967], [21.5473, 3.82987, 0.19823, -1.97760, -4.32054]];
 
 impl Charlie {
-    /// The sheen of a roughness; see `Fibres::new`.
+    /// The sheen of a surface with roughness `alpha`; see `Fibres::new` for its range.
     #[must_use]
     pub fn new(alpha: f64) -> Self {
         let fibres = Fibres::new(alpha);
@@ -91,8 +91,8 @@ impl Brdf for Charlie {
     }
 }
 
-/// The Charlie distribution of normals, with a sampler for the light that it reflects. Most normals are far from the
-/// surface normal, like fibres.
+/// The Charlie distribution of normals, with a sampler for the light that these normals reflect. Most of them are far
+/// from the surface normal, like the normals of upright fibres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Fibres {
     /// Roughness, from [`Fibres::SMOOTHEST_ALPHA`] to 1.
@@ -100,22 +100,23 @@ pub(super) struct Fibres {
 }
 
 impl Fibres {
-    /// The roughness of the smoothest fibres; smaller roughness is raised to it. It is 0.07 of perceptual roughness, a
-    /// limit that renderers use. Seen from above, this surface reflects only 1e-30 of the light. Below it, the
-    /// reflected light soon underflows to zero.
+    /// The smallest roughness; smaller values are raised to it. It corresponds to a perceptual roughness of 0.07, a
+    /// limit that renderers use. Seen from above, a surface with this roughness reflects only 1e-30 of the light. The
+    /// reflected light of smoother surfaces would soon underflow to zero.
     pub(super) const SMOOTHEST_ALPHA: f64 = 0.0049;
-    /// The width of the sampler relative to the width of the exponent alone, because shadowing removes the lowest
-    /// light.
+    /// The width of the sampler, relative to the width of the exponential alone. The lobe is wider than the
+    /// exponential, because shadowing removes the light closest to the horizon.
     const WIDER: f64 = 2.0;
 
-    /// Fibres of roughness `alpha` in [0, 1], the square of the sheen roughness of glTF. It is raised to
+    /// Fibres of roughness `alpha` in [0, 1], the square of glTF's sheen roughness. Smaller values are raised to
     /// [`Fibres::SMOOTHEST_ALPHA`].
     pub(super) fn new(alpha: f64) -> Self {
         Self { alpha: alpha.max(Self::SMOOTHEST_ALPHA) }
     }
 
-    /// `D(wm) = (2 + 1/alpha) sin(theta_m)^(1/alpha) / (2 pi)` of the normal between two directions [Estevez and Kulla
-    /// 2017, equation 2], `sin^2 = 1 - (z_o + z_i)^2 / (2 + 2 wo . wi)`. Per steradian. Domain: both above the horizon.
+    /// `D(wm) = (2 + 1/alpha) sin(theta_m)^(1/alpha) / (2 pi)` for the normal halfway between two directions [Estevez
+    /// and Kulla 2017, equation 2], `sin^2 = 1 - (z_o + z_i)^2 / (2 + 2 wo . wi)`. Per steradian. Domain: both
+    /// directions above the horizon.
     pub(super) fn distribution(self, wo: DVec3, wi: DVec3) -> f64 {
         let wm = (wo + wi).normalize();
         let exponent = 1.0 / self.alpha;
@@ -124,9 +125,9 @@ impl Fibres {
 
     /// The parameters of the sampler for a view.
     ///
-    /// Let `b = 1 / (2 alpha)`, and `s` the sine of the view's angle. To second order, the logarithm of `D` falls by
-    /// `b (z cos(o) / (1 + s) + z^2 / 4)` with the height `z` of light at the view's azimuth. At the horizon it falls
-    /// by `b s (1 - s) / (1 + s)^2 p^2 / 2` with the azimuth `p` relative to the view.
+    /// Let `b = 1 / (2 alpha)`, and let `s` be the sine of the view's polar angle. To second order, the logarithm of
+    /// `D` falls by `b (z cos(o) / (1 + s) + z^2 / 4)` with the height `z` of light at the view's azimuth. At the
+    /// horizon it falls by `b s (1 - s) / (1 + s)^2 p^2 / 2` with the azimuth `p` relative to the view.
     fn around(self, wo: DVec3) -> Around {
         let flat = wo.truncate();
         let sin = flat.length();

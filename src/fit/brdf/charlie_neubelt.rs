@@ -38,8 +38,8 @@ impl BrdfRules for CharlieNeubeltRules {
 }
 
 impl CharlieNeubelt {
-    /// The sheen of a roughness `alpha` in [0, 1], the square of the sheen roughness of glTF. Values below 0.0049 are
-    /// raised to 0.0049.
+    /// The sheen of a surface with roughness `alpha` in [0, 1], the square of glTF's sheen roughness. Values below
+    /// 0.0049 are raised to 0.0049.
     #[must_use]
     pub fn new(alpha: f64) -> Self {
         Self { fibres: Fibres::new(alpha) }

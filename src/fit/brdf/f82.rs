@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::Brdf;
 use crate::math::{SquarePoint, pow};
 
-/// The cosine of the second reflectance: 1/7, at about 82 degrees.
+/// The cosine of the angle of the second reflectance: 1/7, about 82 degrees.
 pub const EDGE_COSINE: f64 = 1.0 / 7.0;
 
 /// The shape of the difference between F82 and Schlick's factor: `x (1 - x)^6`, with the cosine `x` between view and
@@ -17,14 +17,15 @@ pub fn edge_weight(x: f64) -> f64 {
     x * away2 * away2 * away2
 }
 
-/// The factor `b` of [`edge_weight`], which is subtracted from Schlick's factor `S = F0 + (F90 - F0) (1 - x)^5`:
+/// The factor `b` of [`edge_weight`] in the difference between F82 and Schlick's factor
+/// `S = F0 + (F90 - F0) (1 - x)^5`:
 ///
 /// ```text
 /// F82(x) = S(x) - b x (1 - x)^6,    b = (1 - tint) S(1/7) / ((1/7) (6/7)^6)
 /// ```
 ///
 /// It follows that `F82(1/7) = tint S(1/7)` [Kutz, Hasan and Edmondson 2021; OpenPBR 1.1, metal]. For a dark F0 with a
-/// low tint, F82 is negative around 75 degrees, down to -0.13. Domain: all in [0, 1].
+/// low tint, F82 is negative around 75 degrees, down to -0.13. Domain: all arguments in [0, 1].
 #[must_use]
 pub fn edge_factor(f0: f64, f90: f64, tint: f64) -> f64 {
     let away = 1.0 - EDGE_COSINE;
@@ -32,21 +33,21 @@ pub fn edge_factor(f0: f64, f90: f64, tint: f64) -> f64 {
     (1.0 - tint) * schlick / edge_weight(EDGE_COSINE)
 }
 
-/// The light weighted by [`edge_weight`], if all light has one incidence. This incidence follows from the ratio of
-/// `fresnel` to `energy`: `energy x (1 - x)^6` with `1 - x = (fresnel / energy)^(1/5)`.
+/// The light weighted by [`edge_weight`], if all light has the same angle of incidence. The ratio of `fresnel` to
+/// `energy` determines this angle: the result is `energy x (1 - x)^6` with `1 - x = (fresnel / energy)^(1/5)`.
 #[must_use]
 pub fn edge_of_parts([energy, fresnel]: [f64; 2]) -> f64 {
     if energy > 0.0 { energy * edge_weight(1.0 - pow(fresnel / energy, 0.2)) } else { 0.0 }
 }
 
-/// The largest value of [`edge_spread`]. Sharp lobes seen from above would exceed it, but their whole edge term is
-/// nearly zero.
+/// The largest value of [`edge_spread`]. The spread of sharp lobes seen from above would exceed this value, but their
+/// whole edge term is nearly zero.
 const MOST_SPREAD: f64 = 2.0;
 
 /// The edge term of the lobe for `wo`, divided by the value of [`edge_of_parts`] for its other two terms. The edge term
-/// is the albedo weighted by [`edge_weight`]. The ratio is one for a lobe with a single incidence and, unlike the term,
-/// varies smoothly over all lobes. In [0, 2]. Both are means over reflections drawn from `points`, which must not be
-/// empty.
+/// is the albedo weighted by [`edge_weight`]. The ratio is one for a lobe with a single angle of incidence. Unlike the
+/// edge term itself, the ratio varies smoothly over all lobes. In [0, 2]. All terms are means over reflections drawn
+/// from `points`, which must not be empty.
 #[must_use]
 pub fn edge_spread(brdf: &dyn Brdf, wo: DVec3, points: &[SquarePoint]) -> f64 {
     let mut drawn = Vec::with_capacity(points.len());

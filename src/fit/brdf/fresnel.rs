@@ -8,10 +8,11 @@ use serde::{Serialize, Serializer};
 use super::{Bends, Brdf, BrdfSample, LobeTerms, cos_theta_d};
 use crate::math::{Lattice, SquarePoint};
 
-/// Samples of a lobe for the reflected light of each material. Weights need no more.
+/// The number of samples of a lobe that give the reflected light of each material. More samples would hardly change the
+/// weights.
 const SAMPLES: usize = 256;
 
-/// Materials with a smaller part of the greatest weight are left out.
+/// Materials with less than this fraction of the greatest weight are left out.
 const LEAST_SHARE: f64 = 1e-6;
 
 /// A material: its reflectance at normal incidence and its weight.
@@ -23,11 +24,11 @@ pub struct WeightedF0 {
     pub weight: f64,
 }
 
-/// The materials to whose lobe a table is fitted.
+/// The materials that a table is fitted for.
 ///
 /// A renderer scales one lobe by `F0 (amplitude - fresnel) + F90 fresnel` for every material. Schlick's factor favours
-/// light near the horizon, so the lobe of plastic is lower than the lobe of metal. This type selects the fitted lobe.
-/// Amplitude and Fresnel term are the same for all variants.
+/// light near the horizon, so the lobe of plastic is closer to the horizon than the lobe of metal. This type selects
+/// the fitted lobe. Amplitude and Fresnel term are the same for all variants.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum LobeFresnel {
     /// A Fresnel factor of one: a perfect mirror.
@@ -36,19 +37,19 @@ pub enum LobeFresnel {
     /// One lobe between the lobes of several materials, each with F90 = 1. It minimises the error of their reflected
     /// light; see [`LobeFresnel::mix`].
     Mix(Vec<WeightedF0>),
-    /// Two lobes an entry, for materials of any F0. The first is for a Fresnel factor of one, the second for Schlick's
+    /// Two lobes per entry, for materials of any F0. The first is for a Fresnel factor of one, the second for Schlick's
     /// fifth power.
     Two(SecondLobe),
 }
 
-/// The use of the two lobes of an entry. It determines the target of the second lobe.
+/// How renderers use the two lobes of an entry. This determines the target of the second lobe.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SecondLobe {
     /// Two integrals, `F0 amplitude LTC(M) + (F90 - F0) fresnel LTC(M_2)`. The second lobe is the lobe of Schlick's
     /// fifth power.
     Integrated,
     /// One integral of the blended lobe; see [`blended`](crate::blended). The second lobe is chosen such that the blend
-    /// for a dielectric is the best lobe of that dielectric.
+    /// for a dielectric is the best lobe for this dielectric.
     Blended,
 }
 
@@ -68,9 +69,9 @@ impl SecondLobe {
     /// The F0 of the material to which the second lobe is fitted, with F90 = 1.
     ///
     /// The light of Schlick's fifth power alone cannot be fitted, because it is almost zero on a smooth surface seen
-    /// from above. A small F0 adds a little of the whole lobe. Fitted at 0.02, a blend for F0 = 0.04 has an error of
-    /// 2.5 % of the light (default table). A lobe fitted to 0.04 alone has 2.2 %. Fitted at 0.01 or 0.06, the blend is
-    /// worse.
+    /// from above. A small F0 adds a little of the whole lobe. If the second lobe is fitted at 0.02, the blend for F0 =
+    /// 0.04 has an error of 2.5 % of the light (default table). A lobe fitted to 0.04 alone has an error of 2.2 %. With
+    /// a second lobe fitted at 0.01 or 0.06, the blend is worse.
     #[must_use]
     pub fn fitted_f0(self) -> f64 {
         match self {
@@ -106,13 +107,13 @@ impl LobeFresnel {
         }
     }
 
-    /// True for a factor of one without a second lobe.
+    /// True if the Fresnel factor is one and there is no second lobe.
     #[must_use]
     pub fn is_one(&self) -> bool {
         *self == Self::One
     }
 
-    /// The use of the second lobe, if there are two lobes.
+    /// How renderers use the second lobe, if there are two lobes.
     #[must_use]
     pub fn second(&self) -> Option<SecondLobe> {
         match self {
@@ -124,10 +125,10 @@ impl LobeFresnel {
     /// The F0 whose lobe represents all materials in one view. `terms` are the terms of the view for a Fresnel factor
     /// of one.
     ///
-    /// Material i reflects `E_i = f0_i (amplitude - fresnel) + fresnel`. A lobe at a relative distance `x_i` has an
-    /// error of `E_i x_i`. The mean of the lobes with weights `w_i E_i^2` minimises the sum of `w_i (E_i x_i)^2`. Lobes
-    /// with the factors `f0_i + (1 - f0_i) s` already contain `E_i`, and a mean of factors has the same form, up
-    /// to scale:
+    /// Material i reflects `E_i = f0_i (amplitude - fresnel) + fresnel`. If the fitted lobe is at a relative distance
+    /// `x_i` from the lobe of material i, the error is `E_i x_i`. The mean of the lobes with weights `w_i E_i^2`
+    /// minimises the sum of `w_i (E_i x_i)^2`. A lobe with the factor `f0_i + (1 - f0_i) s`, where `s` is Schlick's
+    /// fifth power, already contains one `E_i`. The mean of several factors has the same form, up to scale:
     ///
     /// ```text
     /// f0 = sum(w_i E_i f0_i) / sum(w_i E_i)
@@ -152,7 +153,7 @@ impl LobeFresnel {
         Some(Box::new(Schlick { surface, f0 }))
     }
 
-    /// The surface of the lobe for `wo`, which is the first lobe if there are two.
+    /// The surface whose lobe for `wo` is fitted. If there are two lobes, it is the surface of the first lobe.
     pub(super) fn applied(&self, surface: Box<dyn Brdf>, wo: DVec3) -> Box<dyn Brdf> {
         if !matches!(self, Self::Mix(_)) {
             return surface;
@@ -167,7 +168,7 @@ impl fmt::Display for LobeFresnel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let parts = match self {
             Self::One => return f.write_str("a Fresnel factor of one"),
-            Self::Two(SecondLobe::Integrated) => return f.write_str("two lobes, each integrated by itself"),
+            Self::Two(SecondLobe::Integrated) => return f.write_str("two lobes, each integrated separately"),
             Self::Two(SecondLobe::Blended) => return f.write_str("two lobes, blended into one integral"),
             Self::Mix(parts) => parts,
         };
@@ -187,8 +188,8 @@ impl Serialize for LobeFresnel {
     }
 }
 
-/// A surface with Schlick's Fresnel factor for an F0, with F90 = 1. Its terms remain the terms for a factor of one, as
-/// in tables.
+/// A surface with Schlick's Fresnel factor for an F0, with F90 = 1. Its terms are still the terms for a factor of one,
+/// because tables store these terms.
 struct Schlick {
     surface: Box<dyn Brdf>,
     f0: f64,
@@ -259,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn one_material_is_its_own_mix_and_two_lie_between_by_what_they_reflect() {
+    fn the_f0_of_a_mix_is_weighted_by_reflected_light() {
         let terms = LobeTerms { amplitude: 0.9, fresnel: 0.1 };
         for f0 in [0.0, 0.04, 0.5, 1.0] {
             assert!((mix(&[(f0, 3.0)]).f0(&terms) - f0).abs() < 1e-15);

@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 use super::scattering::{Brdf, BrdfRules, BrdfSample};
 use crate::math::{SquarePoint, cosine_hemisphere, exp};
 
-/// The multiple-scattering sheen of Zeltner, Burley and Chiang 2022, which is the fuzz of OpenPBR. A layer of upright
+/// The multiple-scattering sheen of Zeltner, Burley and Chiang 2022, which OpenPBR uses as fuzz. A layer of upright
 /// fibres reflects light after any number of bounces. The remaining light passes through.
 ///
 /// ```text
@@ -15,8 +15,8 @@ use crate::math::{SquarePoint, cosine_hemisphere, exp};
 /// ```
 ///
 /// with `x` along the view's azimuth. The albedo `R` and the numbers `a` and `b` are functions of the view's cosine and
-/// the roughness. Here they are rational functions instead of the authors' table. The functions are from MaterialX
-/// 1.39, `mx_microfacet_sheen.glsl` (Copyright Contributors to the MaterialX Project, Apache-2.0), after
+/// the roughness. Instead of the authors' table, this file uses closed-form approximations. They are from MaterialX
+/// 1.39, `mx_microfacet_sheen.glsl` (Copyright Contributors to the MaterialX Project, Apache-2.0), based on
 /// <https://github.com/tizian/ltc-sheen> (Apache-2.0). The authors fitted each view separately, so the BRDF is only
 /// approximately reciprocal.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,12 +47,13 @@ impl BrdfRules for FuzzRules {
 
 /// The authors did not fit smaller roughnesses.
 const LEAST_ROUGHNESS: f64 = 0.01;
-/// The smallest albedo. The rational function is negative for roughnesses from 0.04 to 0.13 seen from above, down to
+/// The smallest albedo. For views from above and roughnesses from 0.04 to 0.13, the closed form is negative, down to
 /// -2e-5.
 const LEAST_ALBEDO: f64 = 1e-6;
 
 impl Fuzz {
-    /// The fuzz of a roughness in [0, 1], the square root of a table's alpha. Values below 0.01 are raised to 0.01.
+    /// The fuzz of a surface with a roughness in [0, 1], the square root of a table's alpha. Values below 0.01 are
+    /// raised to 0.01.
     #[must_use]
     pub fn new(roughness: f64) -> Self {
         Self { roughness: roughness.max(LEAST_ROUGHNESS) }
@@ -162,7 +163,7 @@ mod tests {
 
     /// Reciprocity is exact only if light and view are equal.
     #[test]
-    fn it_is_reciprocal_only_about() {
+    fn it_is_only_approximately_reciprocal() {
         let (fuzz, wo) = (Fuzz::new(0.6), direction(0.9, 0.3));
         let ratios = Lattice::new(64, [0.3, 0.1]).points().map(|u| {
             let wi = fuzz.sample(wo, u).wi;

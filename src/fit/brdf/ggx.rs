@@ -82,7 +82,7 @@ struct GgxView {
 impl GgxView {
     /// A normal visible from `wo`, drawn by spherical caps [Dupuy and Benyoub 2023].
     ///
-    /// If the surface is stretched to a hemisphere, normals visible from `wo_std` reflect to directions that are
+    /// If the surface is stretched to a hemisphere, normals visible from `wo_std` reflect it to directions that are
     /// uniform on the cap `z > -wo_std.z`.
     #[inline]
     fn visible_normal(&self, point: &SquarePoint) -> DVec3 {
@@ -107,12 +107,13 @@ impl GgxView {
     }
 }
 
-/// Reflections computed together. The number is fixed, so results do not depend on the processor's vector width.
+/// The number of reflections computed together. It is fixed, so results do not depend on the processor's vector width.
 const LANES: usize = 8;
 
 impl GgxView {
-    /// The terms over the samples of [`GgxView::sample`] at `points`, computed in f32. Directions are not normalised,
-    /// because the weight depends only on their proportions. The means keep all digits that a table stores.
+    /// The terms, as means over the samples of [`GgxView::sample`] at `points`, computed in f32. Directions are not
+    /// normalised, because the weight depends only on the ratios of their components. The means keep all digits that a
+    /// table stores.
     fn terms(&self, points: &[SquarePoint]) -> LobeTerms {
         let [alpha_x, alpha_y, mu] = [self.alpha.x, self.alpha.y, self.mu].map(|x| x as f32);
         let (wo, wo_std) = (self.wo.as_vec3(), self.wo_std.as_vec3());

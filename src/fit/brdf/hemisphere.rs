@@ -6,11 +6,11 @@ use glam::DVec3;
 
 use crate::math::SquarePoint;
 
-/// The density `(u + 2 (1 - u) cos(theta)) / (2 pi)` over the hemisphere, per steradian. A part `u` of the directions
-/// is uniform, and the others follow the cosine.
+/// The density `(u + 2 (1 - u) cos(theta)) / (2 pi)` over the hemisphere, per steradian. A fraction `u` of the
+/// directions is uniform, and the rest follow the cosine.
 ///
-/// Diffuse lobes have more light near the horizon than a cosine. The uniform part keeps the weights of these directions
-/// bounded.
+/// Diffuse lobes have more light near the horizon than a cosine lobe has. The uniform part keeps the weights of these
+/// directions bounded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Hemisphere {
     /// The uniform part, in [0, 1].
@@ -22,7 +22,7 @@ impl Hemisphere {
     pub(super) fn sample(self, point: &SquarePoint) -> DVec3 {
         let (uniform, below) = (self.uniform, point.u[1]);
         let root = (uniform * uniform + 4.0 * (1.0 - uniform) * below).sqrt();
-        // Without a uniform part the lowest direction would be 0 / 0.
+        // Without a uniform part, the direction at the horizon would be computed as 0 / 0.
         let z = (2.0 * below / (uniform + root).max(f64::MIN_POSITIVE)).min(1.0);
         let radius = ((1.0 - z) * (1.0 + z)).sqrt();
         DVec3::new(radius * point.cos, radius * point.sin, z)

@@ -73,7 +73,7 @@ impl BrdfKind {
         self.rules().surface(roughness)
     }
 
-    /// The surface at a point of a table. Its x axis is the axis of the larger roughness. Domain: as
+    /// The surface at a point of a table. Its x axis is the axis of the larger roughness. Domain: the same as for
     /// [`BrdfKind::surface`].
     #[must_use]
     pub fn surface_at(self, place: &PerAxis<f64>) -> Box<dyn Brdf> {
@@ -86,14 +86,15 @@ impl BrdfKind {
         self.rules().needs_file()
     }
 
-    /// True if surfaces look the same from all azimuths. A table of such surfaces has a ratio of one only. Files can
-    /// have anisotropic surfaces: see [`BrdfModel::is_isotropic`].
+    /// True if surfaces look the same from all azimuths. Tables of isotropic surfaces have a ratio of one only. A file
+    /// can also contain anisotropic surfaces: see [`BrdfModel::is_isotropic`].
     #[must_use]
     pub fn is_isotropic(self) -> bool {
         self.rules().is_isotropic()
     }
 
-    /// True if the light is scaled by a Fresnel factor, which a recipe can name. This holds for reflecting microfacets.
+    /// True if a Fresnel factor scales the reflected light, so a recipe can set the factor. This holds for models of
+    /// reflecting microfacets.
     #[must_use]
     pub fn has_fresnel(self) -> bool {
         self.follows_reflection() && !self.needs_file()
@@ -105,7 +106,7 @@ impl BrdfKind {
         self.rules().is_ltc()
     }
 
-    /// True if lobes lie around the reflection of GGX, as layout `reflected` requires.
+    /// True if lobes are centred near the reflection of GGX, as layout `reflected` requires.
     #[must_use]
     pub fn follows_reflection(self) -> bool {
         self.rules().follows_reflection()

@@ -1,4 +1,4 @@
-//! The scattering model of a recipe or table: an item of the list, the file of a tabulated BRDF, and the Fresnel
+//! The scattering model of a recipe or table: an item of [`BrdfKind`], the file of a tabulated BRDF, and the Fresnel
 //! factor.
 
 use std::{fmt, sync::Arc};
@@ -24,14 +24,13 @@ impl BrdfModel {
         Self { kind: BrdfKind::Tabulated, file: Some(file), fresnel: LobeFresnel::One }
     }
 
-    /// The same model with the lobes of other materials. Domain: a model that [has a Fresnel
-    /// factor](BrdfKind::has_fresnel).
+    /// The same model, fitted for other materials. Domain: a model that [has a Fresnel factor](BrdfKind::has_fresnel).
     #[must_use]
     pub fn with_fresnel(self, fresnel: LobeFresnel) -> Self {
         Self { fresnel, ..self }
     }
 
-    /// The materials to whose lobe a table is fitted.
+    /// The materials that a table is fitted for.
     #[must_use]
     pub fn fresnel(&self) -> &LobeFresnel {
         &self.fresnel
@@ -43,7 +42,7 @@ impl BrdfModel {
         (self.kind, &self.file) == (other.kind, &other.file)
     }
 
-    /// The model's item in the list.
+    /// The item of the list [`BrdfKind`].
     #[must_use]
     pub fn kind(&self) -> BrdfKind {
         self.kind
@@ -78,11 +77,11 @@ impl BrdfModel {
         Box::new(data.surface(roughness))
     }
 
-    /// The surface whose lobe for `wo` is fitted. It has the Fresnel factor of [`BrdfModel::fresnel`]. Domain: as
-    /// [`BrdfModel::surface`], and `wo` of unit length above the horizon.
+    /// The surface whose lobe for `wo` is fitted. It has the Fresnel factor of [`BrdfModel::fresnel`]. Domain:
+    /// roughness as for [`BrdfModel::surface`], `wo` of unit length above the horizon.
     ///
     /// # Panics
-    /// As [`BrdfModel::surface`].
+    /// The same as [`BrdfModel::surface`].
     #[must_use]
     pub fn lobe_surface(&self, roughness: [f64; 2], wo: DVec3) -> Box<dyn Brdf> {
         self.fresnel.applied(self.surface(roughness), wo)
@@ -91,7 +90,7 @@ impl BrdfModel {
     /// The surface whose lobe is fitted at a point of a table. Its x axis is the axis of the larger roughness.
     ///
     /// # Panics
-    /// As [`BrdfModel::surface`].
+    /// The same as [`BrdfModel::surface`].
     #[must_use]
     pub fn lobe_surface_at(&self, place: &PerAxis<f64>) -> Box<dyn Brdf> {
         self.lobe_surface(place.roughness(), place.view())
@@ -100,7 +99,7 @@ impl BrdfModel {
     /// The surface of the second lobe of an entry, at a point of a table; `None` if entries have one lobe.
     ///
     /// # Panics
-    /// As [`BrdfModel::surface`].
+    /// The same as [`BrdfModel::surface`].
     #[must_use]
     pub fn second_surface_at(&self, place: &PerAxis<f64>) -> Option<Box<dyn Brdf>> {
         self.fresnel.second_applied(self.surface_at(place))
@@ -109,14 +108,14 @@ impl BrdfModel {
     /// The surface at a point of a table. Its x axis is the axis of the larger roughness.
     ///
     /// # Panics
-    /// As [`BrdfModel::surface`].
+    /// The same as [`BrdfModel::surface`].
     #[must_use]
     pub fn surface_at(&self, place: &PerAxis<f64>) -> Box<dyn Brdf> {
         self.surface(place.roughness())
     }
 
-    /// Like [`BrdfKind::is_isotropic`]. A tabulated model is isotropic if its file is. Without the values of the file
-    /// this is unknown, and the result is false.
+    /// Like [`BrdfKind::is_isotropic`]. A tabulated model is isotropic if its file is isotropic. If the values of the
+    /// file were not read, the result is false.
     #[must_use]
     pub fn is_isotropic(&self) -> bool {
         match &self.file {
@@ -125,8 +124,8 @@ impl BrdfModel {
         }
     }
 
-    /// True if surfaces of ratio one also change with the azimuth of the view. This holds for a file with azimuths of
-    /// the view, if its values were read.
+    /// True if even surfaces of ratio one change with the azimuth of the view. This holds if the file has azimuths of
+    /// the view and its values were read.
     #[must_use]
     pub fn has_azimuths(&self) -> bool {
         self.data().is_some_and(|data| !data.axes().is_isotropic())
@@ -159,7 +158,7 @@ impl fmt::Display for BrdfModel {
 }
 
 /// The fields of a canonical recipe: `brdf`, then `tabulated` for a tabulated BRDF, then `fresnel` if it is not the
-/// default. The default is left out, which keeps the digests of older recipes.
+/// default. The default is left out, so the digests of older recipes do not change.
 impl Serialize for BrdfModel {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
@@ -174,7 +173,7 @@ impl Serialize for BrdfModel {
     }
 }
 
-/// The file of a tabulated BRDF, as a recipe names it. Its values are optional.
+/// The file of a tabulated BRDF, as a recipe names it. The values are missing if the file was not read.
 #[derive(Clone)]
 pub struct TabulatedFile {
     digest: [u8; 32],
@@ -182,13 +181,13 @@ pub struct TabulatedFile {
 }
 
 impl TabulatedFile {
-    /// A file by its SHA-256, with its values.
+    /// A file with this SHA-256 and its values.
     #[must_use]
     pub fn new(digest: [u8; 32], data: Arc<TabulatedBrdf>) -> Self {
         Self { digest, data: Some(data) }
     }
 
-    /// A file by its SHA-256, whose values were not read.
+    /// A file with this SHA-256; its values were not read.
     #[must_use]
     pub fn unread(digest: [u8; 32]) -> Self {
         Self { digest, data: None }
@@ -207,7 +206,7 @@ impl TabulatedFile {
     }
 }
 
-/// Equal files have equal digests.
+/// Two files are equal if their digests are equal.
 impl PartialEq for TabulatedFile {
     fn eq(&self, other: &Self) -> bool {
         self.digest == other.digest

@@ -10,8 +10,8 @@ use super::{
 };
 use crate::math::{SquarePoint, atan2};
 
-/// The EON model of Portsmouth, Kutz and Hill 2024 with an albedo of one. It is Fujii's Oren-Nayar, plus the light that
-/// this model loses, added as further bounces.
+/// The EON model of Portsmouth, Kutz and Hill 2024 with an albedo of one. It is Fujii's Oren-Nayar model, plus further
+/// bounces that add the light which Fujii's model loses.
 ///
 /// ```text
 /// f = A (1 + r s / t) / pi + (1 - E(o)) (1 - E(i)) / (pi (1 - E')),    A = 1 / (1 + c r),   c = 1/2 - 2 / (3 pi)
@@ -49,7 +49,7 @@ impl BrdfRules for OrenNayarRules {
     }
 }
 
-/// At grazing views, `f cos(theta_i)` of a rough surface is nearly constant down to the height of the view.
+/// For a grazing view of a rough surface, `f cos(theta_i)` is nearly constant until the light is lower than the view.
 const SAMPLER: Hemisphere = Hemisphere { uniform: 0.5 };
 /// `c`: the largest loss of a single bounce, for `r = 1` and divided by `A`.
 const LOST: f64 = 0.5 - 2.0 / (3.0 * PI);

@@ -7,7 +7,7 @@ use crate::math::SquarePoint;
 /// A light direction drawn for a view direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BrdfSample {
-    /// Light direction, unit length. It is below the horizon if `weight` is zero.
+    /// Light direction, unit length. It can be below the horizon; `weight` is then zero.
     pub wi: DVec3,
     /// `f(wo, wi) cos(theta_i) / pdf`, for a Fresnel factor of one. In [0, 1] for models that sample visible normals,
     /// else finite and not negative.
@@ -30,7 +30,7 @@ pub fn cos_theta_d(wo: DVec3, wi: DVec3) -> f64 {
     (0.5 * (1.0 + wo.dot(wi)).max(0.0)).sqrt()
 }
 
-/// The kinks of a model as a function of the light direction, for one view. Quadratures end their intervals there.
+/// The light directions at which a model has kinks, for one view. Quadratures split their intervals at the kinks.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Bends {
     /// Polar angles of the light, radians in (0, pi/2).
@@ -57,7 +57,8 @@ pub trait Brdf: Sync {
         4.0 * cosine * self.eval_cos(wo, 2.0 * cosine * wm - wo)
     }
 
-    /// The kinks of [`Brdf::eval_cos`] as a function of `wi`, if quadratures profit from them. The default is none.
+    /// The kinks of [`Brdf::eval_cos`] as a function of `wi`, if quadratures need to know them. The default is no
+    /// kinks.
     fn bends(&self, _wo: DVec3) -> Bends {
         Bends::default()
     }
@@ -65,8 +66,8 @@ pub trait Brdf: Sync {
     /// Draws a light direction for `wo` from a point of the unit square. Domain: `wo.z > 0`.
     fn sample(&self, wo: DVec3, u: [f64; 2]) -> BrdfSample;
 
-    /// Draws a light direction for `wo` from each of `points` and appends them in the same order, as [`Brdf::sample`]
-    /// does. A model can do work here once that it would repeat for each sample.
+    /// Draws a light direction for `wo` from each of `points`, like [`Brdf::sample`], and appends the samples to
+    /// `drawn` in the same order. An implementation can share work between the samples.
     fn sample_all(&self, wo: DVec3, points: &[SquarePoint], drawn: &mut Vec<BrdfSample>) {
         drawn.extend(points.iter().map(|point| self.sample(wo, point.u)));
     }
@@ -81,7 +82,7 @@ pub trait Brdf: Sync {
         LobeTerms { amplitude, fresnel }
     }
 
-    /// The matrix of the lobe for `wo`, if the lobe is a linearly transformed cosine. Nothing is fitted then.
+    /// The matrix of the lobe for `wo`, if the lobe is a linearly transformed cosine. No fit is then needed.
     fn ltc(&self, _wo: DVec3) -> Option<DMat3> {
         None
     }
@@ -123,14 +124,14 @@ pub(crate) trait BrdfRules: Sync {
     /// The surface with these roughnesses along x and y, both in (0, 1].
     fn surface(&self, roughness: [f64; 2]) -> Box<dyn Brdf>;
 
-    /// True if a surface looks the same from all azimuths. Its roughness is the larger of the two, and tables have a
-    /// ratio of one only.
+    /// True if a surface looks the same from all azimuths. Its roughness is the larger of the two roughnesses, and
+    /// tables have a ratio of one only.
     fn is_isotropic(&self) -> bool {
         false
     }
 
-    /// True if lobes lie around GGX's reflection. Layouts that store lobes relative to the reflection need this.
-    /// Diffuse reflection and sheen do not have it.
+    /// True if lobes are centred near GGX's reflection. Layouts that store lobes relative to the reflection need this.
+    /// It is false for diffuse reflection and sheen.
     fn follows_reflection(&self) -> bool {
         true
     }
@@ -145,7 +146,7 @@ pub(crate) trait BrdfRules: Sync {
         false
     }
 
-    /// The factors from a prediction for GGX to a prediction for this model.
+    /// The factors that convert a prediction for GGX to a prediction for this model.
     fn prediction_factors(&self) -> PredictionFactors {
         PredictionFactors { sample: 1.0, error: 1.0 }
     }

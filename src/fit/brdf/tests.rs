@@ -59,8 +59,8 @@ fn integrate(n: usize, f: impl FnMut(DVec3) -> f64) -> f64 {
     sphere(n).map(f).sum::<f64>() * TAU / (n * n) as f64
 }
 
-/// `E(wo)`, the albedo under uniform light. The integration variable is the root of the height, which resolves the
-/// singularity of diffuse models at the horizon.
+/// `E(wo)`, the albedo under uniform light. The integration variable is the square root of the height, which resolves
+/// the singularity of diffuse models at the horizon.
 fn albedo(brdf: &dyn Brdf, wo: DVec3) -> f64 {
     const N: usize = 400;
     let part = |k: usize| (k as f64 + 0.5) / N as f64;
@@ -91,16 +91,16 @@ fn the_mean_weight_is_the_albedo() {
     }
 }
 
-/// Tests the largest part of uniform light that a model reflects, over roughness and views to 89 degrees. Masked
-/// microfacets lose light, and Oren-Nayar's further bounces return all of it. Smooth sheen and Burley's diffuse
-/// reflection gain light at grazing angles: docs/recipe.md has these figures.
+/// Tests the largest fraction of uniform light that a model reflects, over roughnesses and views up to 89 degrees.
+/// Microfacet models lose light by masking. Oren-Nayar reflects all light, because it includes further bounces. Smooth
+/// sheen and Burley's diffuse reflection gain light at grazing angles: docs/recipe.md has these figures.
 #[test]
-fn no_furnace_glows_more_than_its_model_says() {
+fn no_model_reflects_more_than_documented() {
     let most = |model: &BrdfModel| {
         let alphas = [1e-4, 0.01, 0.1, 0.4, 1.0];
         let thetas = [0.0, 0.4, 0.8, 1.2, 1.4, 1.5, 1.55];
         let places = alphas.into_iter().flat_map(|alpha| thetas.map(|theta| (alpha, theta)));
-        // A mirror falls between the points of any quadrature.
+        // The lobe of a mirror falls between the points of every quadrature.
         let places = places.filter(|(alpha, _)| !model.follows_reflection() || *alpha > 0.05);
         places.map(|(alpha, theta)| albedo(&*model.surface([alpha; 2]), direction(theta, 0.2))).fold(0.0, f64::max)
     };
@@ -113,7 +113,7 @@ fn no_furnace_glows_more_than_its_model_says() {
             BrdfKind::OrenNayar => (1.0 - 1e-3, 1.0 + 1e-3),
             BrdfKind::Fuzz => (0.7, 0.75),
             // One file is Oren-Nayar's reflection, interpolated between nodes. The other is GGX with alpha of at least
-            // 0.4. No file may reflect more.
+            // 0.4. No file may reflect more than `MOST_ALBEDO`.
             BrdfKind::Tabulated if model.is_isotropic() => (0.99, MOST_ALBEDO + 1e-3),
             BrdfKind::Tabulated => (0.85, MOST_ALBEDO + 1e-3),
         };
@@ -148,13 +148,13 @@ fn values_are_density_times_weight_and_reciprocal() {
             above += 1;
             let value = brdf.eval_cos(wo, wi);
             assert!((value / (brdf.pdf(wo, wi) * weight) - 1.0).abs() < 1e-8, "{name}: {value}");
-            // A file has no views beyond its last view, so these lights cannot be exchanged. The lobes of fuzz are
-            // fitted for each view separately, and are not reciprocal.
+            // A file has no views beyond its last view, so light beyond this view cannot be exchanged with the view.
+            // The lobes of fuzz are fitted for each view separately, so they are not reciprocal.
             if kind == BrdfKind::Fuzz {
                 exchanged += 1;
             } else if kind != BrdfKind::Tabulated || wi.z > 0.11 && wo.z > 0.11 {
                 let swapped = brdf.eval_cos(wi, wo) / wo.z * wi.z;
-                // The azimuths of exchanged lights lie between the azimuths of a file.
+                // After the exchange, azimuths lie between the nodes of a file.
                 let allowed = if model.has_azimuths() { 0.05 * most } else { 1e-9 * swapped };
                 assert!((value - swapped).abs() < allowed, "{name}: {value} {swapped}");
                 exchanged += 1;
@@ -182,11 +182,11 @@ fn lobes_that_are_ltcs_have_their_density() {
     assert_eq!(ltcs, CONFIGURATIONS.len());
 }
 
-/// Compares with the formulas of Unity's HDRP, in its names (`BSDF.hlsl`, `Fabric.hlsl`). Burley's diffuse reflection
-/// differs by a constant, which LTCs do not contain. Charlie has two visibility terms. HDRP's Oren-Nayar, of 1994, is a
-/// different model.
+/// Compares our models with the formulas of Unity's HDRP, using HDRP's names (`BSDF.hlsl`, `Fabric.hlsl`). Burley's
+/// diffuse reflection differs by a constant factor, which LTCs do not contain. Charlie has two visibility terms. HDRP
+/// uses the Oren-Nayar model of 1994, which differs from ours.
 #[test]
-fn hdrps_formulas_are_ours_but_oren_nayars() {
+fn hdrp_formulas_match_except_oren_nayar() {
     const DISNEY_NORMALISATION: f64 = 1.035_71;
     let [mut same, mut apart] = [0.0_f64; 2];
     for (alpha, wo) in
@@ -227,9 +227,10 @@ fn hdrps_formulas_are_ours_but_oren_nayars() {
     assert!(same < 1e-9 && apart > 0.3, "{same} {apart}");
 }
 
-/// An isotropic model uses the larger roughness and turns with the view. Other models distinguish their axes.
+/// An isotropic model uses the larger roughness, and its lobe turns with the view. Other models depend on both
+/// roughnesses and on the azimuth.
 #[test]
-fn isotropic_models_know_no_azimuth() {
+fn isotropic_models_ignore_the_azimuth() {
     let [wo, wi] = [direction(0.8, 0.3), direction(0.5, 2.0)];
     let turned = |by: f64| [direction(0.8, 0.3 + by), direction(0.5, 2.0 + by)];
     for kind in models() {
@@ -243,8 +244,8 @@ fn isotropic_models_know_no_azimuth() {
     }
 }
 
-/// Tests from mirrors to the largest roughness, from above to the horizon, and at the ends of the unit square. No value
-/// is NaN or negative.
+/// Tests surfaces from mirrors to the largest roughness, views from above to the horizon, and points at the ends of the
+/// unit square. No value is NaN or negative.
 #[test]
 fn extremes_are_finite() {
     let ends = [0.0, f64::EPSILON, 0.3, 0.5, 1.0 - f64::EPSILON / 2.0];
@@ -268,7 +269,7 @@ fn extremes_are_finite() {
     }
 }
 
-/// If a sampler does not follow its lobe, few samples carry most of the light. A fit draws some hundred samples.
+/// If a sampler does not follow its lobe, few samples carry most of the light. A fit draws only a few hundred samples.
 #[test]
 fn samplers_follow_their_lobes() {
     for kind in models() {

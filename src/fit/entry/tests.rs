@@ -20,7 +20,7 @@ fn settings(solver: Solver, samples: u32, directions: u32, steps: u32) -> FitSet
     FitSettings { metric: Metric::Sw1, solver, samples, directions, steps, seed: 0, simplex: None }
 }
 
-/// A value where fits are hardest, moved by a few ulps, or any value from `low` to `high`.
+/// Draws one of `values`, where fits are hardest, moved by a few ulps, or any value from `low` to `high`.
 fn hard(values: &'static [f64], low: f64, high: f64) -> impl Strategy<Value = f64> {
     let near = (prop::sample::select(values), -3_i64..=3)
         .prop_map(move |(x, ulps)| f64::from_bits(x.to_bits().saturating_add_signed(ulps)).clamp(low, high));
@@ -83,7 +83,8 @@ fn more_samples_fit_better() {
     assert!(fine < coarse, "{fine} {coarse}");
 }
 
-/// Algorithm 3 converges to the same fit, but more slowly. After a few hundred steps a broad lobe is near its best fit.
+/// Algorithm 3 of the paper converges to the same fit, but more slowly. After a few hundred steps, the fit of a broad
+/// lobe is near the best fit.
 #[test]
 fn the_paper_s_descent_comes_near_the_same_error() {
     let ggx = Ggx { alpha_x: 0.8, alpha_y: 0.5 };
@@ -127,13 +128,15 @@ fn the_descent_by_l3_finds_broad_lobes_and_stays_finite_at_sharp_ones() {
     }
 }
 
-/// The largest settings of a recipe take minutes an entry. Each call can stop the fit. A call follows every 2^23
-/// projections of a sample on a direction, during the tabulation of the lobe, within an evaluation and within a step.
+/// With the largest settings of a recipe, an entry takes minutes. Each call of `go_on` can stop the fit. It is called
+/// after every 2^23 projections of a sample on a direction: while the lobe is tabulated, within an evaluation and
+/// within a step.
 #[test]
 fn an_entry_of_any_size_is_stopped_within_a_moment() {
     let ggx = Ggx { alpha_x: 0.4, alpha_y: 0.1 };
     let (samples, directions) = (16_384, 256);
-    // The calls for the tabulation of both sample sets and one evaluation; for `sgd`, for the sorts of its one step.
+    // The smallest number of calls: for the tabulation of both sample sets, and for one evaluation or the sorts in the
+    // one step of `sgd`.
     let least = |solver: Solver, metric: Metric| {
         let sorts = match (solver, metric) {
             (Solver::Sgd, Metric::Sw1) => 16,

@@ -1,13 +1,13 @@
-//! The layouts of isotropic tables. Engines read `ltc2017`, `ltc2016`, `godot` and `hdrp`. No engine reads `inverse`
-//! and `matrix33`; they serve for comparison.
+//! The layouts of isotropic tables. Engines read `ltc2017`, `ltc2016`, `godot` and `hdrp`. Layouts `inverse` and
+//! `matrix33` are only for comparison; no engine reads them.
 //!
-//! All are tables of perceptual roughness `u = sqrt(alpha)` and of the view's polar angle. The axes are divided evenly,
-//! from 0 to 1 and from the normal to the horizon. Ratio and phi have one node. The lobe is symmetric about the plane
-//! of incidence, so five numbers of a matrix are not zero:
+//! All are tables over perceptual roughness `u = sqrt(alpha)`, from 0 to 1, and the view's polar angle, from the normal
+//! to the horizon. Nodes are evenly spaced in `u`, and in theta or `sqrt(1 - cos theta)`. Ratio and phi have one node.
+//! The lobe is symmetric about the plane of incidence, so five numbers of a matrix are not zero:
 //!
 //! ```text
 //!     | m00  0  m02 |
-//! M = |  0  m11  0  |,   and M^-1 alike
+//! M = |  0  m11  0  |,   and M^-1 has the same form
 //!     | m20  0  m22 |
 //! ```
 //!
@@ -15,8 +15,8 @@
 //! inverts the result if `M^-1` is stored.
 //!
 //! Nodes are at the texel centres of the engines; `inverse` and `matrix33` have the nodes of `ltc2017`. The first
-//! roughness is 0, the last view is at the horizon. Their lobes are fitted at the smallest roughness and the most
-//! grazing view.
+//! roughness is 0, and the last view is at the horizon. The lobes of these nodes are fitted at the smallest roughness
+//! and the most grazing view that the fit allows.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -35,7 +35,7 @@ use crate::{
     math::quadrant,
 };
 
-/// `sqrt(1 - cos theta)`; `M^-1` divided by its middle element.
+/// Nodes are evenly spaced in `sqrt(1 - cos theta)`. Stores `M^-1` divided by its middle element.
 pub(super) const LTC2017: Isotropic = Isotropic {
     stored: Stored::InverseOver { divisor: [1, 1] },
     side: 64,
@@ -43,7 +43,7 @@ pub(super) const LTC2017: Isotropic = Isotropic {
     number: 2,
     interpolation: [0.045, 6.0, 17.0],
 };
-/// theta; `M^-1` divided by its first element.
+/// Nodes are evenly spaced in theta. Stores `M^-1` divided by its first element.
 pub(super) const LTC2016: Isotropic = Isotropic {
     stored: Stored::InverseOver { divisor: [0, 0] },
     side: 32,
@@ -51,10 +51,10 @@ pub(super) const LTC2016: Isotropic = Isotropic {
     number: 3,
     interpolation: [0.04, 11.0, 11.0],
 };
-/// theta; `M` with a third column of unit length.
+/// Nodes are evenly spaced in theta. Stores `M` with a third column of unit length.
 pub(super) const GODOT: Isotropic =
     Isotropic { stored: Stored::Matrix, side: 64, theta: Spacing::Even, number: 4, interpolation: [0.039, 5.4, 2.1] };
-/// `sqrt(1 - cos theta)`; `M^-1` divided by its last element.
+/// Nodes are evenly spaced in `sqrt(1 - cos theta)`. Stores `M^-1` divided by its last element.
 pub(super) const HDRP: Isotropic = Isotropic {
     stored: Stored::InverseOver { divisor: [2, 2] },
     side: 64,
@@ -62,9 +62,10 @@ pub(super) const HDRP: Isotropic = Isotropic {
     number: 5,
     interpolation: [0.05, 14.0, 4.0],
 };
-/// `sqrt(1 - cos theta)`; the inverse of an `M` with a third column of unit length.
+/// Nodes are evenly spaced in `sqrt(1 - cos theta)`. Stores the inverse of an `M` with a third column of unit length.
 ///
-/// The error is assumed to depend on the nodes as in [`HDRP`]. With 64 x 64 nodes it is two thirds of the prediction.
+/// The error is assumed to depend on the nodes as in [`HDRP`]. With 64 x 64 nodes, the measured error is two thirds of
+/// the prediction.
 pub(super) const INVERSE: Isotropic = Isotropic {
     stored: Stored::Inverse,
     side: 64,
@@ -72,7 +73,7 @@ pub(super) const INVERSE: Isotropic = Isotropic {
     number: 6,
     interpolation: [0.05, 14.0, 4.0],
 };
-/// `sqrt(1 - cos theta)`; `M` divided by its last element.
+/// Nodes are evenly spaced in `sqrt(1 - cos theta)`. Stores `M` divided by its last element.
 ///
 /// The error is assumed to depend on the nodes as in [`HDRP`]. The prediction is right for 64 x 64 nodes and too small
 /// for fewer nodes.
@@ -111,19 +112,19 @@ pub(super) struct Isotropic {
     stored: Stored,
     /// Texels along each side of the engines' tables.
     side: u32,
-    /// The spacing of the nodes of theta and of its interpolation weights.
+    /// The spacing of the theta nodes and of the interpolation weights in theta.
     theta: Spacing,
     number: u32,
-    /// The limit, and the added error of steps of alpha and theta: see [`Interpolation`].
+    /// The limit, and the errors that steps of alpha and theta add: see [`Interpolation`].
     interpolation: [f64; 3],
 }
 
-/// The largest stored number, within the range of half floats. In some layouts sharp lobes near the horizon have larger
-/// numbers.
+/// The largest stored number, within the range of half floats. In some layouts, sharp lobes near the horizon would have
+/// larger numbers.
 const MOST: f64 = 60_000.0;
 
 impl Isotropic {
-    /// The smallest number on a stored diagonal. It is a normal number of the format.
+    /// The smallest number on the diagonal of a stored matrix. The number format stores it without a loss of precision.
     fn least(precision: Precision) -> f64 {
         match precision {
             Precision::F32 => 1e-30,
@@ -225,14 +226,15 @@ impl LayoutRules for Isotropic {
 
     fn restore_in_shader(&self, stored: &ShaderNumbers, _: f32, _: f32, _: Vec3) -> ShaderNumbers {
         let Mat3 { x_axis: x, y_axis: y, z_axis: z } = stored.matrix;
-        // The numbers in the plane of incidence, and the number across it.
+        // Keeps the numbers in the plane of incidence, and the number perpendicular to the plane.
         let plane = Mat3::from_cols(Vec3::new(x.x, 0.0, x.z), Vec3::Y * y.y, Vec3::new(z.x, 0.0, z.z));
         let matrix = if self.stored.is_inverse() { inverse_in_shader(&plane) } else { plane };
         ShaderNumbers { matrix, ..*stored }
     }
 
-    // Measured on tables of 12 to 64 nodes an axis, fitted with 64 samples and 8 directions. A few lobes next to the
-    // mirror and the horizon cause most of the error of coarse tables, so predictions are good to a factor of two.
+    // Measured on tables of 12 to 64 nodes per axis, fitted with 64 samples and 8 directions. A few lobes near the
+    // smallest roughness and near the horizon cause most of the error of coarse tables, so predictions are accurate
+    // only to a factor of two.
     fn interpolation(&self) -> Interpolation {
         let [limit, alpha, theta] = self.interpolation;
         Interpolation { limit, step: PerAxis { alpha, ratio: 0.0, theta, phi: 0.0 } }

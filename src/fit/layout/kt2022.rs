@@ -1,7 +1,7 @@
-//! Layout `kt2022`: uniform axes, and `M` without a change [KT et al. 2022, sections 6 to 8].
+//! Layout `kt2022`: uniform axes, and `M` itself [KT et al. 2022, sections 6 to 8].
 //!
-//! Nodes are uniform in alpha, ratio, theta and phi. A node below a floor is moved onto it. The range of theta is cut
-//! at its ceiling before it is divided.
+//! Nodes are uniform in alpha, ratio, theta and phi. A node below a floor is raised to the floor. The range of theta is
+//! clamped to the ceiling before it is divided into steps.
 
 use glam::Vec3;
 
@@ -41,8 +41,8 @@ impl LayoutRules for Kt2022 {
         }
     }
 
-    /// Limits the block of the lobe's own matrix. The limit is ten times wider than f32 needs. With it, a shader's
-    /// inverse of a needle at the horizon has an error below 1e-3.
+    /// The limit applies to the block of `M` itself. It is ten times larger than f32 needs. With this limit, a shader's
+    /// inverse of a needle-shaped lobe at the horizon has an error below 1e-3.
     fn flattest(&self, precision: Precision) -> f64 {
         match precision {
             Precision::F32 => 1e-4,
@@ -80,8 +80,8 @@ impl LayoutRules for Kt2022 {
         *stored
     }
 
-    // Measured on a full run of docs/tradeoff.md, at preset `draft` with one axis changed at a time. The number of a
-    // step is the added error divided by the difference of the squared steps.
+    // Measured in a full run of docs/tradeoff.md, with preset `draft` and one axis changed at a time. Each number in
+    // `step` is the added error divided by the difference of the squared steps.
     fn interpolation(&self) -> Interpolation {
         Interpolation { limit: 0.0652, step: PerAxis { alpha: 0.5, ratio: 0.04, theta: 1.25, phi: 3.25 } }
     }

@@ -28,7 +28,7 @@ pub const MOST_MATERIALS: usize = 256;
 /// The smallest number of nodes of theta.
 pub const LEAST_THETAS: u32 = 2;
 
-/// The index of the material nearest to a roughness in `(sqrt(alpha), ratio)`; the first if several are nearest.
+/// The index of the material nearest to a roughness in `(sqrt(alpha), ratio)`; the first if several are equally near.
 /// Domain: at least one pair of alpha and ratio.
 #[must_use]
 pub(crate) fn nearest_material(pairs: impl IntoIterator<Item = [f64; 2]>, alpha: f64, ratio: f64) -> usize {
@@ -55,7 +55,7 @@ impl LayoutRules for Materials {
         PerAxis { alpha: Spacing::Even, ratio: Spacing::Even, ..Reflected.spacing() }
     }
 
-    /// Materials along the diagonal of the range, for recipes that list none.
+    /// Materials along the diagonal of the range, for recipes without a list of materials.
     fn nodes(&self, range: &PerAxis<[f64; 2]>, n: &PerAxis<u32>) -> PerAxis<Vec<f64>> {
         Reflected.nodes(range, &PerAxis { ratio: n.alpha, ..*n })
     }
@@ -168,7 +168,8 @@ mod tests {
             for (theta, phi) in [(0.0, 0.0), (0.7, 4.0), (1.2, 2.0)] {
                 let wanted = own.lookup(&Configuration { alpha_x: pair[0], alpha_y: pair[0] * pair[1], theta, phi });
                 assert_eq!(table.lookup_material(material, theta, phi), Some(wanted));
-                // Tests the material turned by a right angle, and a roughness close to the material.
+                // Tests the material turned by a right angle. Rounding can move its ratio away from the material's
+                // ratio.
                 let [alpha_x, alpha_y] = [pair[0] * pair[1], pair[0]];
                 let turned = Configuration { alpha_x, alpha_y, theta, phi };
                 assert_eq!(table.lookup(&turned), own.lookup(&turned));

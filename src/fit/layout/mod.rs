@@ -2,7 +2,7 @@
 //!
 //! A new layout needs a file, a part of the shader, and a line in [`Layout`].
 //!
-//! Invariant: a layout knows nothing of how a lobe was fitted.
+//! Invariant: a layout does not depend on how a lobe was fitted.
 
 mod isotropic;
 mod kt2022;
@@ -38,15 +38,15 @@ named_list! {
         Reflected = "reflected" => reflected::Reflected,
         /// Uniform axes; `M` with a third column of unit length [KT et al. 2022, sections 6 to 8].
         Kt2022 = "kt2022" => kt2022::Kt2022,
-        /// Isotropic: `M^-1` divided by its middle element, by roughness and `sqrt(1 - cos theta)` [Hill and Heitz
+        /// Isotropic: `M^-1` divided by its middle element, over roughness and `sqrt(1 - cos theta)` [Hill and Heitz
         /// 2017].
         Ltc2017 = "ltc2017" => isotropic::LTC2017,
-        /// Isotropic: `M^-1` divided by its first element, by roughness and theta [Heitz et al. 2016].
+        /// Isotropic: `M^-1` divided by its first element, over roughness and theta [Heitz et al. 2016].
         Ltc2016 = "ltc2016" => isotropic::LTC2016,
-        /// Isotropic: `M` with a third column of unit length, by roughness and theta, as Godot reads it.
+        /// Isotropic: `M` with a third column of unit length, over roughness and theta, in the form that Godot reads.
         Godot = "godot" => isotropic::GODOT,
-        /// Isotropic: `M^-1` divided by its last element, by roughness and `sqrt(1 - cos theta)`, as Unity's HDRP reads
-        /// it.
+        /// Isotropic: `M^-1` divided by its last element, over roughness and `sqrt(1 - cos theta)`, in the form that
+        /// Unity's HDRP reads.
         Hdrp = "hdrp" => isotropic::HDRP,
         /// Isotropic: the inverse of an `M` with a third column of unit length, on the nodes of `ltc2017`.
         Inverse = "inverse" => isotropic::INVERSE,
@@ -64,8 +64,8 @@ impl Layout {
         self.rules().nodes(range, resolution)
     }
 
-    /// True if alpha and ratio form one axis, whose nodes are the materials of the recipe. A table then has as many
-    /// ratios as alphas, in the order of the list.
+    /// True if alpha and ratio form one axis, whose nodes are the materials of the recipe. The lists of alphas and
+    /// ratios then have the same length, in the order of the recipe.
     #[must_use]
     pub fn is_of_materials(self) -> bool {
         self.rules().is_of_materials()
@@ -101,7 +101,7 @@ impl Layout {
         }
     }
 
-    /// The fixed ranges of the layout; `None` if ranges are free.
+    /// The fixed ranges of the layout; `None` if the recipe sets the ranges.
     #[must_use]
     pub fn only_ranges(self) -> Option<PerAxis<[f64; 2]>> {
         self.rules().only_ranges()
@@ -121,21 +121,21 @@ impl Layout {
         lobe.gaussian().is_none() || self.only_ranges().is_none()
     }
 
-    /// The number of nodes on each axis if the recipe does not set this.
+    /// The default number of nodes on each axis.
     #[must_use]
     pub fn default_resolution(self) -> PerAxis<u32> {
         self.rules().default_resolution()
     }
 
-    /// The numbers that the fit chooses to minimise the error between nodes. Layouts of isotropic tables have them.
-    /// `None` if entries are stored as fitted.
+    /// The numbers that the fit chooses to minimise the error between nodes, for layouts of isotropic tables. `None`
+    /// for other layouts, whose entries are stored as fitted.
     #[must_use]
     pub fn free_numbers(self) -> Option<FreeNumbers> {
         self.rules().free_numbers()
     }
 
-    /// The axes of a table of one lobe as shaders read them. Domain: nodes of this layout, as [`Layout::nodes`] returns
-    /// them.
+    /// The axes of a table with one lobe per entry, as shaders read them. Domain: nodes of this layout, as
+    /// [`Layout::nodes`] returns them.
     #[must_use]
     pub fn shader_axes(self, axes: &PerAxis<Vec<f64>>) -> ShaderAxes {
         let number = self.shader().number;
@@ -147,9 +147,9 @@ impl Layout {
         ShaderAxes::new(number, self.rules().spacing(), &numbered).of_materials(axes)
     }
 
-    /// True if nodes are evenly spaced, as [`Layout::shader_axes`] assumes. The first alpha and ratio may be above
-    /// their even position, as at a floor, if the axis is spaced evenly by value: shaders know their position. Explicit
-    /// nodes of a recipe need not be even.
+    /// True if nodes are evenly spaced, as [`Layout::shader_axes`] assumes. If alpha or ratio is evenly spaced by
+    /// value, its first node may be above its even position, because it was raised to a floor. Shaders know the
+    /// position of this node. Explicit nodes of a recipe need not be evenly spaced.
     #[must_use]
     pub fn is_even(self, axes: &PerAxis<Vec<f64>>) -> bool {
         let PerAxis { alpha, ratio, theta, phi } = self.rules().spacing();
@@ -166,16 +166,16 @@ impl Layout {
         self.rules().shader()
     }
 
-    /// The shader's position of a configuration among a table's nodes (CPU twin). Domain: larger roughness, ratio and
-    /// view direction within the table's ranges, `wo` in the first quadrant. For [materials](Layout::is_of_materials)
-    /// `alpha` is the index of a material.
+    /// CPU twin of the shader function that finds the position of a configuration among a table's nodes. Domain: larger
+    /// roughness, ratio and view direction within the table's ranges, `wo` in the first quadrant. For
+    /// [materials](Layout::is_of_materials) `alpha` is the index of a material.
     #[must_use]
     pub fn place_in_shader(self, axes: &ShaderAxes, alpha: f32, ratio: f32, wo: Vec3) -> ShaderPlace {
         self.rules().place_in_shader(axes, alpha, ratio, wo)
     }
 
-    /// The shader's conversion of stored numbers to a lobe (CPU twin), in f32, for larger roughness, ratio and view
-    /// direction.
+    /// CPU twin of the shader function that converts stored numbers to a lobe, in f32. `alpha` is the larger roughness
+    /// and `wo` the view direction.
     #[must_use]
     pub fn restore_in_shader(self, stored: &ShaderNumbers, alpha: f32, ratio: f32, wo: Vec3) -> ShaderNumbers {
         self.rules().restore_in_shader(stored, alpha, ratio, wo)

@@ -2,8 +2,8 @@
 //! [`Reflection`] `K`.
 //!
 //! Nodes are uniform in `u`, with alpha = `u^1.6`, ratio = `u^1.3`, theta = `1 - (1 - u)^2` of the way to its ceiling,
-//! and phi = `u pi/2`. They reach from one end of the range, or from the floor, to the other end. A part of the domain
-//! is divided like the whole domain.
+//! and phi = `u pi/2`. The first node is at the lower end of the range or at the floor, and the last node is at the
+//! upper end. A range that covers only a part of the domain is divided in the same way.
 
 use glam::{Mat3, Vec3};
 
@@ -24,7 +24,7 @@ use crate::{
 pub(super) struct Reflected;
 
 impl LayoutRules for Reflected {
-    /// Has at most as many entries as the paper's 8^4, on the axes where they reduce the error most.
+    /// At most as many entries as the paper's 8^4, with more nodes on the axes where nodes reduce the error most.
     fn default_resolution(&self) -> PerAxis<u32> {
         PerAxis { alpha: 10, ratio: 6, theta: 9, phi: 7 }
     }
@@ -106,8 +106,8 @@ impl LayoutRules for Reflected {
         ShaderNumbers { matrix, amplitude, fresnel: amplitude * (grazing2 * grazing2 * grazing) }
     }
 
-    // Measured on a full run of docs/tradeoff.md, at preset `draft` with one axis changed at a time. The number of a
-    // step is the added error divided by the difference of the squared steps.
+    // Measured in a full run of docs/tradeoff.md, with preset `draft` and one axis changed at a time. Each number in
+    // `step` is the added error divided by the difference of the squared steps.
     fn interpolation(&self) -> Interpolation {
         Interpolation { limit: 0.0463, step: PerAxis { alpha: 0.02, ratio: 0.018, theta: 0.137, phi: 0.01 } }
     }
@@ -124,8 +124,8 @@ impl LayoutRules for Reflected {
 }
 
 impl Reflection {
-    /// The inverse of [`Reflection::terms`]. Domain: an amplitude above zero. Every lobe of a view above the horizon
-    /// has it.
+    /// The inverse of [`Reflection::terms`]. Domain: an amplitude above zero, as every lobe of a view above the horizon
+    /// has.
     fn relative_terms(&self, terms: LobeTerms) -> LobeTerms {
         let grazing = pow(terms.fresnel / terms.amplitude, 0.2);
         LobeTerms { amplitude: terms.amplitude / self.amplitude, fresnel: grazing - self.grazing }

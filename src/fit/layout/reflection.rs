@@ -1,5 +1,4 @@
-//! A first-order approximation of a lobe, known before the fit. Layout `reflected` stores the difference of the fitted
-//! lobe.
+//! A first-order approximation of a lobe, known before the fit. Layout `reflected` stores fitted lobes relative to it.
 
 use glam::{DMat3, DVec3};
 
@@ -8,8 +7,8 @@ use crate::{
     brdf::{Ggx, LobeTerms},
 };
 
-/// A lobe to first order: the reflection at the central visible normal, and the movement of the reflected direction
-/// with the normal.
+/// A lobe to first order: the reflection at the central visible normal, and the change of the reflected direction as
+/// the normal tilts.
 ///
 /// Stretch the surface to a hemisphere. Normals visible from `wo_std = (ax x, ay y, z) / |..|` then lie around the
 /// normal halfway between `wo_std` and +z [after Dupuy and Benyoub 2023]. On the original surface this normal is `wm`.
@@ -23,12 +22,13 @@ use crate::{
 /// Normals tilt by about `ax`, so the lobe is near the LTC of `K = [ax J x, ax J y, r]`. For a sharp lobe away from the
 /// horizon the LTC is `K diag(1, ay/ax, 1)`. For other lobes the matrix between `K` and the LTC is a smooth function of
 /// roughness and view. Both columns have the factor `ax`. With `ay` in the second column, the sideways curvature of a
-/// needle would be stored in units of its vanishing width.
+/// needle-shaped lobe would be stored in units of its vanishing width.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reflection {
     /// `K`.
     pub matrix: DMat3,
-    /// `(G2/G1)^2` of `r`, near the amplitude of a sharp lobe. Its tails lose about as much light again as its centre.
+    /// `(G2/G1)^2` of `r`, close to the amplitude of a sharp lobe. One factor is the masking at the lobe's centre.
+    /// Masking of the lobe's tails removes about as much light again.
     pub amplitude: f64,
     /// `1 - d`. Its fifth power is Schlick's weight for `r`.
     pub grazing: f64,

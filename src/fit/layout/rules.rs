@@ -12,7 +12,7 @@ use crate::{
     brdf::{LobeTerms, Mirrors},
 };
 
-/// Nine numbers and two terms, of a lobe or as a layout stores them.
+/// The matrix and the two terms of a lobe, or the numbers that a layout stores for the lobe.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct LobeNumbers {
     /// The matrix.
@@ -37,10 +37,10 @@ pub struct ShaderNumbers {
 pub struct LayoutShader {
     /// WGSL, in parts.
     pub sources: &'static [&'static str],
-    /// The function that is the twin of [`LayoutRules::restore_in_shader`].
+    /// The shader function with the CPU twin [`LayoutRules::restore_in_shader`].
     pub restore: &'static str,
-    /// The function that is the twin of [`LayoutRules::place_in_shader`]. For a layout of isotropic tables it returns
-    /// the position along their two axes.
+    /// The shader function with the CPU twin [`LayoutRules::place_in_shader`]. For a layout of isotropic tables it
+    /// returns the position along the table's two axes.
     pub place: &'static str,
     /// True for layouts of isotropic tables, which have two axes.
     pub is_isotropic: bool,
@@ -54,7 +54,7 @@ pub struct LayoutShader {
 pub struct FreeNumbers {
     /// True if the stored matrix is `M^-1`, false if it is `M`.
     pub is_inverse: bool,
-    /// The number that is always one, by column and row.
+    /// Column and row of the number that is always one.
     pub fixed: Option<[usize; 2]>,
 }
 
@@ -67,9 +67,9 @@ pub(crate) struct Interpolation {
     pub(crate) step: PerAxis<f64>,
 }
 
-/// A layout as an item of [`super::Layout`]. Points are within the layout's nodes.
+/// A layout as an item of [`super::Layout`]. All points passed to its functions are within the range of the nodes.
 pub(crate) trait LayoutRules: Sync {
-    /// The number of nodes on each axis if the recipe does not set this.
+    /// The default number of nodes on each axis.
     fn default_resolution(&self) -> PerAxis<u32>;
 
     /// The spacing of the nodes on each axis.
@@ -78,7 +78,7 @@ pub(crate) trait LayoutRules: Sync {
     /// Ascending nodes of each axis, from one end of a range to the other or to the limit of the fit.
     fn nodes(&self, range: &PerAxis<[f64; 2]>, resolution: &PerAxis<u32>) -> PerAxis<Vec<f64>>;
 
-    /// The fixed ranges of a layout whose readers know only one domain; `None` if the recipe sets the ranges.
+    /// The fixed ranges of a layout whose shaders support only one domain; `None` if the recipe sets the ranges.
     fn only_ranges(&self) -> Option<PerAxis<[f64; 2]>> {
         None
     }
@@ -88,7 +88,7 @@ pub(crate) trait LayoutRules: Sync {
         false
     }
 
-    /// True if lobes are stored relative to GGX's reflection. They must then lie around it.
+    /// True if lobes are stored relative to GGX's reflection. Lobes must then be centred near this reflection.
     fn is_relative(&self) -> bool {
         false
     }
@@ -98,25 +98,25 @@ pub(crate) trait LayoutRules: Sync {
         PerAxis { alpha: Spacing::Even, ratio: Spacing::Even, theta: Spacing::Even, phi: Spacing::Even }
     }
 
-    /// The shader's position of a configuration among a table's nodes (CPU twin), with the weights of
-    /// [`LayoutRules::weights`].
+    /// CPU twin of the shader function that finds the position of a configuration among a table's nodes. The weights
+    /// are linear in the variables of [`LayoutRules::weights`].
     fn place_in_shader(&self, axes: &ShaderAxes, alpha: f32, ratio: f32, wo: Vec3) -> ShaderPlace;
 
     /// The smallest ratio of the eigenvalues of a stored block. At grazing angles the best fit of a curved, line-like
-    /// lobe has a ratio of zero. The determinant of the rounded matrix stays positive if the block is some 100 (f32) or
-    /// 8 (f16) times wider than the last bit of its numbers.
+    /// lobe has a ratio of zero. The determinant of the rounded matrix stays positive if the ratio is about 100 (f32)
+    /// or 8 (f16) times the rounding error of the format.
     fn flattest(&self, precision: Precision) -> f64;
 
     /// The stored numbers of a lobe, before rounding. The matrix is not yet divided by [`LayoutRules::norm`].
     fn store(&self, place: &PerAxis<f64>, lobe: &LobeNumbers, mirrors: Mirrors, precision: Precision) -> LobeNumbers;
 
-    /// The numbers that the fit chooses to minimise the error between nodes. Layouts of isotropic tables have them.
-    /// `None` if entries are stored as fitted.
+    /// The numbers that the fit chooses to minimise the error between nodes, for layouts of isotropic tables. `None`
+    /// for other layouts, whose entries are stored as fitted.
     fn free_numbers(&self) -> Option<FreeNumbers> {
         None
     }
 
-    /// Clamps numbers to the range that the precision can hold and a reader can invert.
+    /// Clamps numbers to the range that the precision can represent and a shader can invert.
     fn limited(&self, stored: LobeNumbers, _precision: Precision) -> LobeNumbers {
         stored
     }
@@ -129,11 +129,11 @@ pub(crate) trait LayoutRules: Sync {
     /// The stored form of the terms.
     fn store_terms(&self, place: &PerAxis<f64>, terms: LobeTerms) -> LobeTerms;
 
-    /// The lobe of stored numbers: the inverse of [`LayoutRules::store`].
+    /// Converts stored numbers to a lobe: the inverse of [`LayoutRules::store`].
     fn restore(&self, place: &PerAxis<f64>, stored: &LobeNumbers) -> LobeNumbers;
 
-    /// The shader's version of [`LayoutRules::restore`] (CPU twin), in f32, for larger roughness, ratio and view
-    /// direction.
+    /// CPU twin of the shader's version of [`LayoutRules::restore`], in f32. `alpha` is the larger roughness and `wo`
+    /// the view direction.
     fn restore_in_shader(&self, stored: &ShaderNumbers, alpha: f32, ratio: f32, wo: Vec3) -> ShaderNumbers;
 
     /// The dependence of the error on the nodes.

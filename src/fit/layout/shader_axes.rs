@@ -12,8 +12,8 @@ use crate::{axes::PerAxis, math::sin_cos};
 pub struct ShaderAxes {
     /// The number of nodes on each axis.
     pub nodes: [u32; 4],
-    /// The layout's number; 1 for a table of isotropic surfaces with one phi, else 0; the distance in layers from the
-    /// first lobe to the second, 0 for one lobe.
+    /// Four words: the layout's number; 1 for a table of isotropic surfaces with one phi, else 0; the distance in
+    /// layers from the first lobe to the second, 0 for one lobe; an unused word.
     pub reading: [u32; 4],
     /// The first node of each axis in the variable in which nodes are evenly spaced.
     pub start: [f32; 4],
@@ -21,8 +21,7 @@ pub struct ShaderAxes {
     pub step: [f32; 4],
     /// The reciprocal of the step.
     pub per_step: [f32; 4],
-    /// The reciprocal of the number of alphas times lobes; of the number of ratios times thetas; the number of thetas;
-    /// the reciprocal of the number of phis.
+    /// Four factors: 1 / (alphas times lobes), 1 / (ratios times thetas), the number of thetas, and 1 / phis.
     pub texel: [f32; 4],
     /// The first and the last alpha, the first and the last ratio.
     pub roughness: [f32; 4],
@@ -41,7 +40,7 @@ impl ShaderAxes {
             (&axes.theta, spacing.theta),
             (&axes.phi, spacing.phi),
         ];
-        // Start and step come from the last nodes, because the first node may be moved onto a floor.
+        // Start and step come from the last nodes, because the first node may have been raised to a floor.
         let spaced = spaced.map(|(nodes, spacing)| match nodes[..] {
             [.., before, last] => {
                 let [before, last] = [before, last].map(|node| spacing.invert(node));
@@ -73,7 +72,7 @@ impl ShaderAxes {
         }
     }
 
-    /// These axes for a table with two lobes an entry. All second lobes follow all first lobes.
+    /// These axes for a table with two lobes per entry. The texture stores all first lobes, then all second lobes.
     pub(crate) fn with_second(self) -> Self {
         let [number, turns, ..] = self.reading;
         let [per_layer, x, y, z] = self.texel;
@@ -106,14 +105,14 @@ impl ShaderAxes {
         all
     }
 
-    /// The position of a point, given in the variables of even spacing: twin of `ltc_place`.
+    /// The position of a point, given in the variables in which nodes are evenly spaced. Twin of `ltc_place`.
     pub(super) fn place(&self, steps: [f32; 4]) -> ShaderPlace {
         let at: [f32; 4] = from_fn(|i| (steps[i] - self.start[i]) * self.per_step[i]);
         let lower = from_fn(|i| at[i].floor().max(0.0).min((self.nodes[i] as f32 - 2.0).max(0.0)));
         ShaderPlace { lower, weight: from_fn(|i| (at[i] - lower[i]).clamp(0.0, 1.0)) }
     }
 
-    /// The nodes below and above, in the variables of even spacing.
+    /// The nodes below and above, in the variables in which nodes are evenly spaced.
     pub(super) fn around(&self, lower: [f32; 4]) -> [[f32; 4]; 2] {
         let below: [f32; 4] = from_fn(|i| self.start[i] + lower[i] * self.step[i]);
         [below, from_fn(|i| below[i] + self.step[i])]

@@ -1,4 +1,4 @@
-//! Nine numbers of an entry that vary smoothly over a table, for all layouts. Any nine numbers give a valid lobe.
+//! Converts an entry of any layout to nine numbers that vary smoothly over a table. Any nine numbers give a valid lobe.
 //!
 //! Let `S` be the matrix between a lobe and its [`Reflection`], as layout `reflected` stores it. Let `R` be the
 //! smallest rotation from +z to the third column of `S`, `(x, y, z)`, of unit length. `S` has the same distribution as
@@ -11,16 +11,16 @@
 //!
 //! Numbers 1 to 3 are `p`, `l` and `q`. Numbers 4 and 5 are `x / (1 + z)` and `y / (1 + z)`, the stereographic
 //! projection of the third column. Numbers 6 and 7 are `h f - x a - y b` and `h g - x b - y d` with `h = max(z, 0.05)`.
-//! Unless the third column is level, these are the last row of `S`. Numbers 8 and 9 are the two terms as layout
-//! `reflected` stores them.
+//! These are the last row of `S`, unless the third column is nearly horizontal. Numbers 8 and 9 are the two terms as
+//! layout `reflected` stores them.
 //!
-//! Layouts that store the lobe itself divide the last row by `alpha / (alpha + 0.002)`. Between two views, their
-//! readers blend matrices of lobes that lie many widths apart. The effect of the last row grows with this distance, so
-//! sharper surfaces need a finer last row. All factors are products, quotients and square roots, so a decoder needs no
-//! other function. The determinant is `p^2 q^2` and stays positive for all numbers.
+//! For layouts that store the lobe itself, the last row is divided by `alpha / (alpha + 0.002)`. Between two views, a
+//! lookup in such a layout blends matrices of lobes that are many widths apart. The effect of the last row grows with
+//! this distance, so sharper surfaces need a finer last row. A decoder needs only products, quotients and square roots.
+//! The determinant is `p^2 q^2` and stays positive for all numbers.
 //!
-//! A change of any number by a small part of 1 moves the lobe by about this part of its width, everywhere in the table.
-//! Therefore one rounding step suits all entries.
+//! A small change of any number moves the lobe by about the same fraction of its width, everywhere in the table. One
+//! rounding step therefore suits all entries.
 
 use glam::{DMat3, DVec3};
 
@@ -34,16 +34,16 @@ use crate::{
 
 /// The number of smooth numbers of an entry.
 pub(crate) const SMOOTH_NUMBERS: usize = 9;
-/// The smallest `p` and `q`, which keeps determinants positive. No fitted lobe is narrower than its reflection times
-/// the square of this factor.
+/// The smallest `p` and `q`, which keeps determinants positive. No fitted lobe is narrower than the square of this
+/// value times the width of its reflection.
 const LEAST_ROOT: f64 = 0.004;
-/// The smallest height of the third column as a divisor of the last row.
+/// The smallest value of `h`, the divisor of the last row.
 const LEAST_HEIGHT: f64 = 0.05;
-/// The roughness below which the last row vanishes, in layouts that store the lobe itself.
+/// The roughness below which the factor of the last row falls towards zero, in layouts that store the lobe itself.
 const SHARP: f64 = 0.002;
 
 impl Layout {
-    /// The factor of the last row of a lobe at a roughness.
+    /// The factor of the last row of a lobe at roughness `alpha`.
     fn row_scale(self, alpha: f64) -> f64 {
         if self.is_relative() { 1.0 } else { alpha / (alpha + SHARP) }
     }
@@ -132,7 +132,7 @@ mod tests {
     }
 
     proptest! {
-        /// The smooth numbers of a lobe give the stored numbers, and these give the smooth numbers again.
+        /// Converts smooth numbers to stored numbers and back.
         #[test]
         fn numbers_round_trip(
             mut place in places(), layout in prop::sample::select(Layout::ALL),
@@ -146,7 +146,7 @@ mod tests {
             }
             if layout.only_ranges().is_some() {
                 (place.ratio, place.phi) = (1.0, 0.0);
-                // The other layouts store positive diagonals, as lobes have them.
+                // These layouts can store only matrices with a positive diagonal, as the matrices of lobes have.
                 numbers[5] *= 0.1 * place.alpha;
             }
             let mirrors = Mirrors::of(within_limits(place).view());

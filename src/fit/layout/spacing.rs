@@ -7,24 +7,24 @@ use crate::{
     math::{atan2, pow, sin},
 };
 
-/// The smallest fitted roughness. Below it a lobe looks like a mirror for all practical lights.
+/// The smallest fitted roughness. A smoother surface looks like a mirror under all practical lights.
 pub const ALPHA_FLOOR: f64 = 1e-4;
 /// The smallest fitted ratio: a needle ten thousand times longer than wide.
 pub const RATIO_FLOOR: f64 = 1e-4;
 /// The most grazing fitted view. At the horizon no light is reflected [KT et al. 2022, published table].
 pub const THETA_CEILING: f64 = 0.9999 * FRAC_PI_2;
 
-/// The tolerance of even spacing, relative to a step. Nodes of a file are decimals.
+/// The tolerance of even spacing, relative to a step. Nodes in a file are rounded decimals.
 const EVEN: f64 = 1e-6;
 
-/// The values of nodes, as an ascending function of even steps.
+/// The value of a node, as an ascending function of an evenly spaced variable `u`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Spacing {
     /// `u`.
     Even,
     /// `u^p`.
     Power(f64),
-    /// `(1 - (1 - u)^2)` of the way to [`THETA_CEILING`].
+    /// `(1 - (1 - u)^2)` times [`THETA_CEILING`].
     Grazing,
     /// `u^2`, which is alpha as a function of perceptual roughness.
     Squared,
@@ -33,7 +33,7 @@ pub(crate) enum Spacing {
 }
 
 impl Spacing {
-    /// The value of an even step `u`.
+    /// The value at `u`.
     pub(crate) fn value(self, u: f64) -> f64 {
         match self {
             Self::Even => u,
@@ -44,7 +44,7 @@ impl Spacing {
         }
     }
 
-    /// The even step `u` of a value.
+    /// The `u` of a value.
     pub(crate) fn invert(self, x: f64) -> f64 {
         match self {
             Self::Even => x,
@@ -55,8 +55,7 @@ impl Spacing {
         }
     }
 
-    /// The step between `n` values over a range, in the variable of even spacing, relative to the interval from 0 to
-    /// `whole`.
+    /// The step of `u` between `n` nodes over a range, relative to the change of `u` from value 0 to value `whole`.
     pub(super) fn step(self, [low, high]: [f64; 2], n: u32, whole: f64) -> f64 {
         (self.invert(high) - self.invert(low)) / self.invert(whole) / f64::from(n.saturating_sub(1).max(1))
     }
@@ -90,7 +89,7 @@ pub(crate) fn within_limits(node: PerAxis<f64>) -> PerAxis<f64> {
     PerAxis { alpha: node.alpha.max(ALPHA_FLOOR), theta: node.theta.min(THETA_CEILING), ..node }
 }
 
-/// The range of theta, cut at the ceiling.
+/// The range of theta, clamped to the ceiling.
 pub(super) fn below_ceiling(theta: [f64; 2]) -> [f64; 2] {
     theta.map(|theta| theta.min(THETA_CEILING))
 }

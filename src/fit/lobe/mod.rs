@@ -23,7 +23,7 @@ named_list! {
 }
 
 impl LobeModel {
-    /// The distribution of the nine numbers of a lookup; `None` if they are invalid.
+    /// The distribution that the nine numbers of a lookup define; `None` if the numbers are invalid.
     pub(crate) fn distribution(self, numbers: &[f64; 9]) -> Option<Box<dyn LobeDistribution>> {
         self.rules().distribution(numbers)
     }
@@ -34,7 +34,7 @@ impl LobeModel {
         self.rules().gaussian()
     }
 
-    /// True for the model of a recipe that names none.
+    /// True for the model of recipes that do not name a model.
     #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a field by reference")]
     pub(crate) fn is_default(&self) -> bool {
         *self == Self::ALL[0]

@@ -9,11 +9,11 @@ pub(crate) trait LobeDistribution {
     /// Maps a point of the unit square to a direction of unit length.
     fn sample(&self, u: [f64; 2]) -> DVec3;
 
-    /// The part of the distribution over a convex polygon, seen from the origin and from either side, in [0, 1].
+    /// The integral of the distribution over a convex polygon, seen from the origin and from either side, in [0, 1].
     fn covered(&self, polygon: &[DVec3]) -> f64;
 
-    /// The factor from a table's terms to the terms of the lobe: the part of the model's weight above the horizon. It
-    /// is one unless the model is cut at the horizon.
+    /// The factor that converts a table's terms to the terms of the lobe: the fraction of the model's weight above the
+    /// horizon. It is one unless the model is cut at the horizon.
     fn above_horizon(&self) -> f64 {
         1.0
     }
@@ -21,15 +21,15 @@ pub(crate) trait LobeDistribution {
 
 /// A lobe model as an item of [`super::LobeModel`].
 pub(crate) trait LobeModelRules: Sync {
-    /// The distribution of the nine numbers of a lookup; `None` if they are invalid.
+    /// The distribution that the nine numbers of a lookup define; `None` if the numbers are invalid.
     fn distribution(&self, numbers: &[f64; 9]) -> Option<Box<dyn LobeDistribution>>;
 
-    /// A matrix of the same distribution, for layouts that store it relative to the reflection.
+    /// A matrix of the same distribution, for layouts that store matrices relative to the reflection.
     fn relative_to(&self, _reflection: &DMat3, matrix: &DMat3) -> DMat3 {
         *matrix
     }
 
-    /// The mean error of a table relative to a table of LTCs.
+    /// The mean error of a table, divided by the mean error of a table of LTCs.
     fn error_over_ltc(&self) -> f64 {
         1.0
     }

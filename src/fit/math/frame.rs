@@ -15,7 +15,7 @@ pub fn direction(theta: f64, phi: f64) -> DVec3 {
 /// The smallest rotation from +z to the unit vector `axis`.
 ///
 /// With `c = axis.z`, the columns are `(1 - x^2/(1+c), -xy/(1+c), -x)`, `(-xy/(1+c), 1 - y^2/(1+c), -y)`, `axis`. If x
-/// or y of `axis` is zero, the related elements of the matrix are exactly zero. Domain: `axis.z > -1`.
+/// or y of `axis` is zero, the corresponding elements of the matrix are exactly zero. Domain: `axis.z > -1`.
 #[must_use]
 pub fn rotation_from_z(axis: DVec3) -> DMat3 {
     let DVec3 { x, y, z } = axis;

@@ -50,7 +50,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_half_and_what_lies_beside_and_between_is_that_of_the_crate() {
+    fn halves_and_numbers_near_and_between_them_match_the_crate() {
         for bits in 0..=u16::MAX {
             let (x, wanted) = (from_half_bits(bits), f16::from_bits(bits).to_f32_const());
             assert!(x.to_bits() == wanted.to_bits() || x.is_nan() && wanted.is_nan(), "{bits:x}: {x} {wanted}");

@@ -9,7 +9,7 @@ const QUARTER_TURNS: [(f64, f64, f64); 5] =
 /// Sine and cosine of an angle in radians.
 ///
 /// The f64 nearest to pi/2 counts as pi/2: its cosine is exactly zero, not 6e-17. The other quarter turns up to a full
-/// turn are exact too. The zeros that symmetry demands of a matrix are then exact.
+/// turn are exact too. The zeros that symmetry requires in a matrix are then exact.
 #[must_use]
 pub fn sin_cos(angle: f64) -> (f64, f64) {
     for (quarter, sin, cos) in QUARTER_TURNS {

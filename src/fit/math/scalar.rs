@@ -1,6 +1,6 @@
 //! The number types of light integrals: f64 for the library, f32 as in the shaders.
 //!
-//! A light integral is written once for both types. The f64 version belongs to the library, the f32 version is the
+//! A light integral is written once for both types. The f64 version belongs to the library, and the f32 version is the
 //! shader's CPU twin.
 
 use std::{
@@ -10,7 +10,7 @@ use std::{
 
 use super::{atan2, atan2_upper, exp, ln, single};
 
-/// A number of a light integral.
+/// The number type of a light integral.
 pub trait Scalar:
     Copy
     + Debug

@@ -12,10 +12,10 @@ const GOLDEN_STEP: f64 = 0.618_033_988_749_894_9;
 /// A lattice of points that covers the unit square evenly. It also covers the torus evenly, with opposite sides joined.
 ///
 /// Point `i` of `n` is `((i + 1/2) / n + shift_0 mod 1, ((g i mod n) + 1/2) / n + shift_1 mod 1)`. Both numbers are
-/// stratified exactly. The generator `g` has no common factor with `n` and is near `n` divided by the golden ratio.
-/// Among these numbers, the continued fraction of `g / n` has the smallest sum of quotients, which bounds the
-/// discrepancy [Niederreiter 1992, theorem 5.17]. If `n` is a Fibonacci number, `g` is the Fibonacci number before it,
-/// and the lattice is the Fibonacci lattice.
+/// stratified exactly. The generator `g` has no common factor with `n` and is near `n` divided by the golden ratio. Of
+/// all such numbers, it is the one whose continued fraction of `g / n` has the smallest sum of quotients, which bounds
+/// the discrepancy [Niederreiter 1992, theorem 5.17]. If `n` is a Fibonacci number, `g` is the Fibonacci number before
+/// it, and the lattice is the Fibonacci lattice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lattice {
     count: usize,
@@ -73,8 +73,8 @@ pub fn recurrence4(i: usize, shift: [f64; 4]) -> [f64; 4] {
     std::array::from_fn(|k| fract((i as f64 + 0.5) * RECURRENCE4_STEPS[k] + shift[k]))
 }
 
-/// A point of the unit square with the sine and cosine of its first coordinate, taken as a part of a turn. Samplers use
-/// them for every lobe.
+/// A point of the unit square with the sine and cosine of its first coordinate, taken as a fraction of a turn. Samplers
+/// use sine and cosine for every lobe.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SquarePoint {
     /// The point, both coordinates in [0, 1).

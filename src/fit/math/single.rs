@@ -5,7 +5,7 @@
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
-/// tan(pi / 8). Above it the polynomial is evaluated for the difference from pi/4.
+/// tan(pi / 8). Above this value, the polynomial is evaluated for the difference from pi/4.
 const TAN_EIGHTH: f32 = 0.414_213_56;
 /// Replaces the length of the zero vector, so that its angle is zero.
 const TINY: f32 = 1e-37;
@@ -51,7 +51,7 @@ pub fn sin_cos_turns(turns: f32) -> (f32, f32) {
 }
 
 /// The natural logarithm. Near 1 the relative error is below 3e-7. Elsewhere the absolute error is below 3e-7 times the
-/// logarithm's size. Domain: `x > 0`, normal.
+/// magnitude of the logarithm. Domain: `x > 0`, normal.
 ///
 /// `x = m 2^e` with `m` in [sqrt(1/2), sqrt 2): `ln x = e ln 2 + 2 artanh((m - 1) / (m + 1))`, by the series of artanh.
 #[must_use]

@@ -12,12 +12,13 @@ const WORST: usize = 5;
 pub struct Accuracy {
     /// The number of measured configurations.
     pub points: usize,
-    /// Sliced Wasserstein-1 distance between lobe and LTC, radians of small angles.
+    /// Sliced Wasserstein-1 distance between lobe and LTC, in radians for small angles.
     pub sw1: Spread,
     /// The distance `sw1` relative to the lobe's width. The width is the mean absolute deviation of its projections
     /// from their median.
     pub width: Spread,
-    /// Mean absolute error of the part of the lobe's energy in a few square lights, for each configuration.
+    /// For each configuration, the mean absolute error of the fraction of the lobe's energy that a few square lights
+    /// cover.
     pub light: Spread,
     /// Absolute error of the amplitude; `None` for a table without terms.
     pub amplitude: Option<TermError>,
@@ -120,7 +121,7 @@ mod tests {
         assert_eq!(found.sw1, Spread { mean: 19.5, p95: 37.0, max: 39.0 });
         assert_eq!(found.amplitude, Some(TermError { mean: 19.5, max: 39.0 }));
         assert_eq!(found.worst.iter().map(|w| w.width).collect::<Vec<_>>(), [39.0, 38.0, 37.0, 36.0, 35.0]);
-        // 7 times 17 is 119, 39 of 40.
+        // The largest rank is 39, for i = 17: 7 * 17 mod 40 = 39.
         assert_eq!((found.worst[0].theta, found.worst[0].sw1), (17.0, 17.0));
         let bare: Vec<Figures> = figures.iter().map(|f| Figures { terms: None, ..*f }).collect();
         assert_eq!(Accuracy::of(&bare).fresnel, None);

@@ -11,7 +11,7 @@ use crate::{Configuration, PerAxis, Table, math::from_row_major};
 pub struct Difference {
     /// The number of points at which both tables were looked up.
     pub places: usize,
-    /// Absolute difference of the elements of the matrices; [`difference`] says how they are compared.
+    /// Absolute difference of the elements of the matrices; [`difference`] explains how matrices are compared.
     pub matrix: Gap,
     /// Absolute difference of the amplitudes, if both tables have terms.
     pub amplitude: Option<Gap>,
@@ -39,11 +39,11 @@ pub struct Gap {
 /// Looks up two tables at up to `points` nodes of each, and at `points` configurations between nodes, in the ranges
 /// that both tables cover. `None` if the tables have no range in common.
 ///
-/// Matrices are compared by their distributions. A positive factor does not change the distribution, and neither does a
-/// turn or mirror of the clamped cosine about its axis. So each matrix is divided by its Frobenius norm. The first two
-/// columns of the second matrix are then turned or mirrored to be nearest to the first matrix (least squares). The
-/// result is the largest difference of an element, at most 2. If both tables have second lobes, the larger difference
-/// of the two lobes counts.
+/// Matrices are compared by their distributions. A positive factor does not change the distribution, and neither does
+/// turning or mirroring the clamped cosine about its axis. Each matrix is therefore divided by its Frobenius norm. The
+/// first two columns of the second matrix are then turned or mirrored to be nearest to the first matrix (least
+/// squares). The result is the largest difference of an element, at most 2. If both tables have second lobes, the
+/// larger difference of the two lobes counts.
 #[must_use]
 pub fn difference(a: &Table, b: &Table, points: usize) -> Option<Difference> {
     let common = common(a, b)?;
@@ -86,7 +86,7 @@ fn has_material(table: &Table, place: &PerAxis<f64>) -> bool {
     table.materials().any(is_it)
 }
 
-/// The ranges that the axes of both tables cover. A table whose only phi serves every phi does not limit phi.
+/// The ranges that the axes of both tables cover. A table with one phi that is valid for every phi does not limit phi.
 fn common(a: &Table, b: &Table) -> Option<PerAxis<Vec<f64>>> {
     let ends = |a: &[f64], b: &[f64]| {
         let [[a_low, a_high], [b_low, b_high]] = [a, b].map(places::extent);
@@ -204,7 +204,7 @@ mod tests {
         let gap = difference(&a, &b, 64).expect("a common range").matrix;
         assert!(gap.max < 1e-5, "{gap:?}");
 
-        // Another direction changes the distance, at this node alone: the roughest surface at the horizon.
+        // Changes the lobe's direction at one node: the roughest surface at the horizon.
         let mut b = a.clone();
         let last = b.matrix.len() - 1;
         b.matrix[last][2] += 1.0;

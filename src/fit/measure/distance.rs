@@ -1,4 +1,4 @@
-//! The sliced Wasserstein-1 distance between a lobe and the LTC of a matrix, near or far.
+//! The sliced Wasserstein-1 distance between a lobe and the LTC of any matrix, good or bad.
 //!
 //! `SW1 = mean_d integral |F_d(x) - G_d(x)| dx` over directions `d`, where `F_d` and `G_d` are the cumulative
 //! distributions of lobe and LTC projected on `d` [KT et al. 2022, equation 9]. Both come from weighted samples, so
@@ -22,7 +22,7 @@ const SCRAMBLE: [u32; 2] = [0x1b87_3593, 0x7f4a_7c15];
 /// Directions of the projections: `2^5`.
 pub(super) const LOG2_DIRECTIONS: u32 = 5;
 
-/// The largest possible distance between two distributions of directions. It is also the distance to invalid numbers.
+/// The largest possible distance between two distributions of directions. It is also the result for invalid numbers.
 pub(super) const FARTHEST: f64 = 2.0;
 
 /// The distance of a distribution from the lobe that it represents.
@@ -174,9 +174,9 @@ mod tests {
     }
 
     /// A sharp LTC is a distribution in a plane. If it is wider by a fifth, each of its quantiles is a fifth farther
-    /// out. The samples in its tails cause an error of one or two hundredths.
+    /// out. The samples in its tails cause an error of 0.01 to 0.02.
     #[test]
-    fn a_highlight_that_is_too_wide_by_a_part_is_that_part_of_its_width_away() {
+    fn the_relative_distance_of_a_wider_highlight_is_its_relative_excess() {
         let lobe = lobes::planted(DMat3::from_diagonal(DVec3::new(1e-2, 0.5e-2, 1.0)));
         for excess in [0.1, 0.2, 0.5] {
             let wider = (1.0 + excess) * 1e-2;

@@ -1,5 +1,6 @@
-//! The number of measured configurations. It follows from a fixed part of the fit's time. More configurations are
-//! measured between nodes than at nodes, because a few bad ones between nodes change the mean strongly.
+//! Chooses the number of measured configurations, such that measuring takes a fixed fraction of the fit's time. More
+//! configurations are measured between nodes than at nodes, because a few large errors between nodes change the mean
+//! strongly.
 
 use crate::{Recipe, fit_seconds};
 
@@ -7,15 +8,15 @@ use crate::{Recipe, fit_seconds};
 const LEAST_POINTS: usize = 8;
 /// The largest number of configurations at nodes, and of configurations between nodes.
 pub const MOST_POINTS: usize = 1024;
-/// The part of the fit's time for measuring nodes, and the least part for measuring between nodes.
+/// The fraction of the fit's time for measuring at nodes, and the smallest fraction for measuring between nodes.
 const SHARE: f64 = 0.1;
-/// The part of the fit's time for measuring between nodes, up to [`STEADY`] configurations.
+/// The fraction of the fit's time for measuring between nodes, up to [`STEADY`] configurations.
 const SHARE_BETWEEN: f64 = 0.25;
 /// The time of one measurement, in the unit of [`fit_seconds`].
 const POINT_SECONDS: f64 = 1.8e-3;
 /// The number of configurations between nodes that gives a steady mean. In an isotropic table of 64 x 64 lobes, a few
-/// lobes next to the mirror have errors of several widths. The mean is 0.079 with 68 configurations, 0.047 with 512,
-/// 0.039 with 4096.
+/// lobes near the smallest roughness have errors of several widths. The mean is 0.079 with 68 configurations, 0.047
+/// with 512, 0.039 with 4096.
 const STEADY: usize = 512;
 
 /// The number of configurations at which a table is measured.
@@ -28,13 +29,13 @@ pub struct ReportPoints {
 }
 
 impl From<usize> for ReportPoints {
-    /// The same number for both.
+    /// The same number for nodes and for configurations between nodes.
     fn from(points: usize) -> Self {
         Self { nodes: points, between: points }
     }
 }
 
-/// The number of nodes and of configurations between nodes for the table of a recipe.
+/// The number of nodes and of configurations between nodes at which the table of a recipe is measured.
 #[must_use]
 pub fn report_points(recipe: &Recipe) -> ReportPoints {
     let points = fit_seconds(recipe) / POINT_SECONDS;

@@ -25,11 +25,12 @@ const THETAS: [f64; 5] = [0.0, 1e-9, FRAC_PI_2 - 1e-3, FRAC_PI_2 - 1e-9, FRAC_PI
 /// Azimuths at which a lookup mirrors or swaps axes. [`BETWEEN`] has azimuths without a fold.
 const FOLDS: [f64; 5] = [0.0, FRAC_PI_2, PI, 1.5 * PI, 2.0 * PI];
 const BETWEEN: [f64; 2] = [0.4, 2.5];
-/// Lookups also at these distances from a fold, in units in the last place.
+/// Lookups are also made at these distances from a fold, in units in the last place.
 const ULPS: std::ops::RangeInclusive<i64> = -2..=2;
-/// A step of a configuration, radians. Across a fold it must not move a lobe farther than next to the fold.
+/// A step between configurations, radians. A step across a fold must not move a lobe farther than a step next to the
+/// fold.
 const STEP: f64 = 1e-6;
-/// Samples for the comparison of two LTCs: `2^8`. Both use the same samples.
+/// Samples for the comparison of two LTCs: `2^8`. Both LTCs use the same samples.
 const LOG2_SAMPLES: u32 = 8;
 /// The sharpest lobe that can be sampled. Sharper lobes differ from it by less than the precision of the distance.
 const SHARPEST: f64 = 1e-8;
@@ -47,10 +48,10 @@ pub struct Corner {
     pub lookups: usize,
     /// Lookups whose matrix is not finite or whose determinant is not positive.
     pub broken: usize,
-    /// Largest sliced Wasserstein-1 distance to the lobe of the exact configuration, without the floor.
+    /// Largest sliced Wasserstein-1 distance to the lobe of the exact configuration, which is not raised to the floor.
     pub sw1: f64,
-    /// The jump at a fold, in widths of the LTC: the largest excess by which a step of 1e-6 across a fold moves the LTC
-    /// farther than the same step next to the fold.
+    /// The largest jump at a fold, in widths of the LTC: how much farther a step of 1e-6 across a fold moves the LTC
+    /// than the same step next to the fold.
     pub jump: f64,
     /// Largest distance by which inverting a matrix in f32 moves its LTC, radians.
     pub inversion: f64,
@@ -58,7 +59,7 @@ pub struct Corner {
     pub inversion_width: f64,
 }
 
-/// Measures a table at every corner. Runs on the current rayon pool. Its size does not change the result.
+/// Measures a table at every corner. Runs on the current rayon pool. The size of the pool does not change the result.
 #[must_use]
 pub fn extremes(table: &Table) -> Vec<Corner> {
     let probe = Probe::new();
@@ -159,7 +160,7 @@ fn jump(walk: &[DMat3; 4], cosines: &[DVec3]) -> f64 {
 }
 
 /// Mean distance between the directions of two matrices for the same samples. It is an upper bound of the Wasserstein
-/// distance between their LTCs. [`FARTHEST`] for a matrix without directions.
+/// distance between their LTCs. Returns [`FARTHEST`] if a matrix does not define directions.
 fn distance(a: &DMat3, b: &DMat3, cosines: &[DVec3]) -> f64 {
     let sum: f64 = cosines.iter().map(|c| ((*a * *c).normalize() - (*b * *c).normalize()).length()).sum();
     let mean = sum / cosines.len() as f64;

@@ -30,8 +30,8 @@ pub struct Figures {
     pub terms: Option<[f64; 2]>,
 }
 
-/// The errors of numbers that represent lobes, in order. The numbers need not come from a table. Runs on the current
-/// rayon pool. Its size does not change the result.
+/// The errors of lookups, in order. The lookups need not come from a table. Runs on the current rayon pool. The size of
+/// the pool does not change the result.
 #[must_use]
 pub fn figures_of(brdf: &BrdfModel, lobe: LobeModel, found: &[(Configuration, LookedUp)]) -> Vec<Figures> {
     let probe = Probe::new();
@@ -52,7 +52,7 @@ pub(super) fn all_while(go_on: &GoOn, table: &Table, places: &[Configuration]) -
     found_while(go_on, &table.brdf, table.lobe, places, |at| table.lookup(at))
 }
 
-/// Like [`all_while`], for numbers that a function returns for each configuration.
+/// Like [`all_while`], for lookups that a function returns for each configuration.
 pub(super) fn found_while(
     go_on: &GoOn,
     brdf: &BrdfModel,
@@ -88,7 +88,7 @@ fn of_numbers(
     let terms = found.amplitude.zip(found.fresnel);
     let above = model.map_or(1.0, LobeDistribution::above_horizon);
     let terms = terms.map(|(amplitude, fresnel)| (above * amplitude, above * fresnel));
-    // The terms are for a Fresnel factor of one, also if the lobe has another factor.
+    // The terms are for a Fresnel factor of one, even if the lobe has a different factor.
     let plain = (!brdf.fresnel().is_one() && terms.is_some()).then(|| Lobe::sample(&*brdf.surface(roughness), wo));
     let of_one = plain.as_ref().unwrap_or(&lobe);
     let terms =

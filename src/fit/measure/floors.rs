@@ -1,4 +1,4 @@
-//! Nodes that a recipe requests beyond the limits of the fit. They are moved onto the limit.
+//! Counts the nodes that a recipe requests beyond the limits of the fit. The fit moves these nodes to the limit.
 
 use serde::Serialize;
 
@@ -11,7 +11,8 @@ pub struct Floors {
     pub alpha: Moved,
     /// [`RATIO_FLOOR`].
     pub ratio: Moved,
-    /// [`LEAST_ALPHA`]: pairs of nodes of alpha and ratio whose product is below it. They have the lobe of the limit.
+    /// [`LEAST_ALPHA`]: pairs of nodes of alpha and ratio whose product is below it. Their entries have the lobe at the
+    /// limit.
     pub alpha_y: Moved,
     /// [`THETA_CEILING`], radians.
     pub theta: Moved,
@@ -36,12 +37,12 @@ impl Floors {
         let is_of_materials = layout.is_of_materials();
         let moved =
             |floor: f64, nodes: usize, entries_each: usize| Moved { floor, nodes, entries: nodes * entries_each };
-        // If a range reaches past the limit, its last node is on the limit. It can also be past the limit, if the
-        // readers of the layout need it there.
+        // If a range reaches past the limit, its outermost node is on the limit, or past the limit in layouts whose
+        // shaders need a node there.
         let at_limit = |nodes: &[f64], is_at: &dyn Fn(f64) -> bool, reaches_past: bool| {
             if reaches_past { nodes.iter().filter(|node| is_at(**node)).count() } else { 0 }
         };
-        // The first entry along theta and phi has the node of its surface.
+        // The first entry of each surface has the surface's alpha and ratio.
         let surfaces = (0..alpha * ratio).map(|surface| layout.node(axes, surface * theta * phi));
         let pairs = surfaces.map(|node| node.alpha * node.ratio);
         Self {

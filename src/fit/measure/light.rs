@@ -18,7 +18,7 @@ const HALF_WIDTH: [f64; 2] = [0.05, 0.45];
 const LEAST_HEIGHT: f64 = 0.05;
 
 /// A square light as seen from the surface: the directions `v` above the surface's horizon with
-/// `|v.x|, |v.y| < tan v.z` in the frame of the light.
+/// `|v.x|, |v.y| < tan * v.z` in the frame of the light, where `tan` is the tangent of the light's half-width.
 #[derive(Debug, Clone, Copy)]
 struct SquareLight {
     x: DVec3,
@@ -27,8 +27,8 @@ struct SquareLight {
     tan: f64,
 }
 
-/// Mean absolute difference between the energy of the lobe and the energy of `model` in a light, both as parts of the
-/// whole. The mean is over a few lights around directions of the lobe. In [0, 1].
+/// Mean absolute difference between the energy of the lobe and the energy of `model` in a light, both as fractions of
+/// the whole. The mean is over a few lights around directions of the lobe. In [0, 1].
 pub(super) fn light_error(lobe: &Lobe, model: &dyn LobeDistribution) -> f64 {
     let errors =
         SquareLight::around(lobe).map(|light| (light.energy_of_lobe(lobe) - light.energy_of_model(model)).abs());
@@ -63,13 +63,13 @@ impl SquareLight {
         w.dot(self.x).abs() < reach && w.dot(self.y).abs() < reach && w.z > 0.0
     }
 
-    /// The part of the lobe's samples in the light.
+    /// The fraction of the lobe's energy in the light.
     fn energy_of_lobe(&self, lobe: &Lobe) -> f64 {
         let samples = lobe.directions.iter().zip(&lobe.weights);
         samples.map(|(w, weight)| if self.covers(*w) { *weight } else { 0.0 }).sum()
     }
 
-    /// The part of the distribution in the part of the light above the surface's horizon.
+    /// The fraction of the distribution in the part of the light above the surface's horizon.
     fn energy_of_model(&self, model: &dyn LobeDistribution) -> f64 {
         let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
         let corner = |(x, y): (f64, f64)| self.centre + self.tan * (x * self.x + y * self.y);
@@ -77,7 +77,7 @@ impl SquareLight {
     }
 }
 
-/// The part of a convex polygon of rays above the horizon.
+/// Clips a convex polygon of rays at the horizon.
 fn clipped(polygon: &[DVec3]) -> Vec<DVec3> {
     let mut clipped_vertices = Vec::with_capacity(polygon.len() + 1);
     for (from, to) in polygon.iter().zip(polygon.iter().cycle().skip(1)) {
@@ -108,8 +108,8 @@ mod tests {
             let lobe = planted(m);
             let ltc = Ltc::new(m).expect("regular");
             let mut total = 0.0;
-            // In addition to the lights of the report, two lights lie half behind the lobe, across the horizon of
-            // cosine space.
+            // In addition to the lights of the report, two lights cross the horizon of cosine space, with one half
+            // behind the lobe.
             let across = [DVec3::X, DVec3::Y].map(|edge| SquareLight {
                 x: rotation_from_z((m * edge).normalize()).x_axis,
                 y: rotation_from_z((m * edge).normalize()).y_axis,
@@ -126,7 +126,7 @@ mod tests {
         }
     }
 
-    /// A lobe and its own matrix agree. A matrix whose lobe points elsewhere loses nearly all energy.
+    /// The error of a lobe's own matrix is small. A matrix whose lobe points elsewhere misses nearly all energy.
     #[test]
     fn the_error_is_small_for_the_own_matrix_and_large_for_another() {
         let m = DMat3::from_cols(DVec3::new(0.02, 0.0, 0.0), DVec3::new(0.0, 0.02, 0.0), DVec3::new(0.6, 0.0, 0.8));

@@ -23,13 +23,14 @@ pub struct ErrorMap {
     pub theta: [f64; 2],
     /// Distance between lobe and LTC relative to the lobe's width, row by row from the smoothest.
     pub width: Vec<f64>,
-    /// Mean absolute error of the part of the lobe's energy in a few square lights, row by row from the smoothest.
+    /// Mean absolute error of the fraction of the lobe's energy that a few square lights cover, row by row from the
+    /// smoothest.
     pub light: Vec<f64>,
 }
 
-/// Measures a table at `cells` by `cells` configurations of one `ratio` and `phi`. Both are clamped to the ranges of
-/// the table's axes. Runs on the current rayon pool. Its size does not change the result. Returns `None` if `go_on`,
-/// called before each configuration, returns false.
+/// Measures a table at `cells` by `cells` configurations of one `ratio` and `phi`. Ratio and phi are clamped to the
+/// ranges of the table's axes. Runs on the current rayon pool. The size of the pool does not change the result. Returns
+/// `None` if `go_on`, called before each configuration, returns false.
 ///
 /// Domain: a table with at least one node on each axis, finite numbers.
 #[must_use]
@@ -40,7 +41,7 @@ pub fn error_map_while(go_on: &GoOn, table: &Table, ratio: f64, phi: f64, cells:
         x.clamp(low, high)
     };
     let ratio = within(ratio, &axes.ratio);
-    // Lobes of phi, -phi and pi - phi mirror each other.
+    // The lobes at phi, -phi and pi - phi are mirror images of each other.
     let turned = phi.rem_euclid(PI);
     let phi = within(turned.min(PI - turned), &axes.phi);
     let (roughness, theta) = places::roughness_and_theta(axes);

@@ -6,15 +6,15 @@ use serde::Serialize;
 use super::places;
 use crate::{Table, math::from_row_major};
 
-/// Determinant and condition number over all entries of a table. They are for the matrix `M` of a lookup at the node,
-/// scaled such that its third column has unit length.
+/// Determinant and condition number over all entries of a table. They are computed from the matrix `M` that a lookup at
+/// the node returns, scaled such that its third column has unit length.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Matrices {
     /// Entries of the table.
     pub entries: usize,
-    /// Entries with a negative determinant. Their distribution is correct, but a light's winding is reversed.
+    /// Entries with a negative determinant. Their distribution is correct, but the winding of lights is reversed.
     pub negative_determinants: usize,
-    /// Entries whose matrix is singular and has no distribution. They are left out of the extents.
+    /// Entries whose matrix is singular and has no distribution. Determinant and condition number below leave them out.
     pub singular: usize,
     /// Smallest and largest determinant.
     pub determinant: Extent,

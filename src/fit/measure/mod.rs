@@ -1,4 +1,4 @@
-//! Measures the accuracy of a table. It uses the lookup, as a renderer does, and samples that are not in the fit.
+//! Measures the accuracy of a table through its lookup, as a renderer sees it, with samples that the fit does not use.
 //!
 //! Invariant: the report depends only on the table, the requested ranges and a number of points. It shares no code and
 //! no samples with the loss that fits minimise, so an error in the loss is visible here.
@@ -60,10 +60,12 @@ pub struct Report {
     pub second: Option<SecondReport>,
 }
 
-/// Measures a table at nodes and at configurations between nodes. `points` sets their numbers.
+/// Measures a table at nodes and at configurations between nodes. `points` sets the number of nodes and of
+/// configurations.
 ///
-/// `range` is the requested range of each axis; limits may have moved the table's nodes. Runs on the current rayon
-/// pool. Its size does not change the result. Domain: a table with at least one node on each axis, finite numbers.
+/// `range` is the requested range of each axis; the table's nodes may have been moved to the limits of the fit. Runs on
+/// the current rayon pool. The size of the pool does not change the result. Domain: a table with at least one node on
+/// each axis, finite numbers.
 ///
 /// # Panics
 /// Never: the measurement always completes.
@@ -91,13 +93,14 @@ pub fn report_while(
 }
 
 /// The errors at `points` configurations between nodes, relative to the lobe's width. They equal `between.width` of a
-/// [`report`] with the same number. Domain: as for [`report`], and at least one point.
+/// [`report`] with the same number of points. Domain: as for [`report`], and at least one point.
 #[must_use]
 pub fn width_between(table: &Table, points: usize) -> Spread {
     Accuracy::of(&figures::all(table, &places::within(table, points))).width
 }
 
-/// Nodes followed by configurations between nodes. One run measures both, which keeps threads busy until the end.
+/// Nodes followed by configurations between nodes. Both are measured in one run, which keeps all threads busy until the
+/// end.
 struct Places {
     all: Vec<Configuration>,
     nodes: usize,

@@ -4,18 +4,18 @@ use std::f64::consts::FRAC_PI_2;
 
 use crate::{ALPHA_FLOOR, Configuration, LEAST_ALPHA, Layout, PerAxis, THETA_CEILING, Table, math::recurrence4};
 
-/// The largest angle of views between nodes, 89 degrees. Beyond it most of a lobe is below the horizon, and a picture
-/// shows nothing of it.
+/// The largest angle of views between nodes, 89 degrees. Beyond this angle most of a lobe is below the horizon, where
+/// it is not visible.
 const STEEPEST: f64 = 0.99 * FRAC_PI_2;
-/// The start of the sequence between the nodes.
+/// The shift of the sequence of configurations between nodes.
 const SHIFT: [f64; 4] = [0.449_489_742_783_178, 0.316_624_790_355_4, 0.872_983_346_207_417, 0.123_105_625_617_661];
 /// 1 / golden ratio. Multiples of this step cover a circle most evenly.
 const GOLDEN_STEP: f64 = 0.618_033_988_749_894_9;
 
-/// Up to `most` nodes that a lookup can reach: all of them, or `most` of them, evenly spread.
+/// The nodes that a lookup can reach; if there are more than `most` of them, `most` nodes, evenly spread.
 ///
-/// The indices are `k stride mod n`. The stride is near n / golden ratio and has no common divisor with n. So no node
-/// occurs twice, and the nodes of each axis are evenly covered.
+/// The indices are `k stride mod n`. The stride is near n / golden ratio and has no common divisor with n. Therefore no
+/// node occurs twice, and the nodes of each axis are evenly covered.
 pub(super) fn nodes(layout: Layout, axes: &PerAxis<Vec<f64>>, most: usize) -> Vec<Configuration> {
     let reached = reached(layout, axes);
     let n = reached.len();
@@ -29,8 +29,9 @@ pub(super) fn nodes(layout: Layout, axes: &PerAxis<Vec<f64>>, most: usize) -> Ve
     (1..=most).map(|k| reached[k * stride % n]).collect()
 }
 
-/// The nodes in storage order, without nodes whose smaller roughness is below [`LEAST_ALPHA`]. A lookup there raises
-/// this roughness and its ratio, and reads between other nodes. All nodes if no other nodes exist.
+/// The nodes in storage order, without nodes whose smaller roughness is below [`LEAST_ALPHA`]. A lookup at such a node
+/// raises this roughness and the ratio, and therefore reads between other nodes. Returns all nodes if there are only
+/// such nodes.
 fn reached(layout: Layout, axes: &PerAxis<Vec<f64>>) -> Vec<Configuration> {
     let entries = layout.lengths(axes).named().iter().map(|(_, n)| **n).product::<usize>();
     let nodes = || (0..entries).map(|index| node(layout, axes, index));
@@ -64,8 +65,8 @@ pub(super) fn between(axes: &PerAxis<Vec<f64>>, count: usize) -> Vec<Configurati
         .collect()
 }
 
-/// `count` configurations of a table. Tables of [materials](crate::Layout::is_of_materials) use each material equally,
-/// at views between the nodes. Other tables use [`between`].
+/// `count` configurations of a table. For tables of [materials](crate::Layout::is_of_materials), each material occurs
+/// equally often, at views between the nodes. For other tables, equals [`between`].
 pub(super) fn within(table: &Table, count: usize) -> Vec<Configuration> {
     let pairs: Vec<[f64; 2]> = table.materials().collect();
     let mut places = between(&table.axes, count);
@@ -147,7 +148,7 @@ mod tests {
             assert!((0.04..=1.0).contains(&place.alpha_x) && (0.25..=1.0).contains(&(place.alpha_y / place.alpha_x)));
             assert!((0.0..=STEEPEST).contains(&place.theta) && (0.0..=FRAC_PI_2).contains(&place.phi));
         }
-        // Perceptual roughness goes from 0.2 to 1; its midpoint is 0.6.
+        // Perceptual roughness ranges from 0.2 to 1, and the midpoint is 0.6.
         let smoother = places.iter().filter(|place| place.alpha_x < 0.36).count();
         assert!((246..=266).contains(&smoother), "{smoother}");
     }

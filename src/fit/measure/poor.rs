@@ -1,4 +1,4 @@
-//! Finds lobes of which the best LTC or Gaussian is a poor approximation.
+//! Finds lobes that even the best LTC or Gaussian approximates poorly.
 
 use serde::Serialize;
 
@@ -8,7 +8,7 @@ use super::figures::Figures;
 pub const POOR_WIDTH: f64 = 0.15;
 
 /// Nodes whose stored lobe has an error above [`POOR_WIDTH`]. A table with more nodes has the same error there, because
-/// it does not come from interpolation.
+/// the error does not come from interpolation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Poor {
     /// [`POOR_WIDTH`].

@@ -8,13 +8,12 @@ use super::{
 };
 use crate::{ALPHA_FLOOR, BrdfModel, Configuration, LEAST_ALPHA, LobeModel, LookedUp, math::direction};
 
-/// The precision of the comparison of numbers with lobes.
+/// The precision with which stored numbers are compared with lobes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Closeness {
     /// The directions of a report: [`Figures::width`](crate::Figures::width).
     Report,
-    /// A quarter of the directions, in a quarter of the time. It suffices for the difference of two tables at the same
-    /// lobes.
+    /// A quarter of the directions, in a quarter of the time. This is enough to compare two tables at the same lobes.
     Coarse,
 }
 
@@ -25,8 +24,8 @@ pub struct SampledLobes {
 }
 
 impl SampledLobes {
-    /// Samples the lobe of each model at its configuration. Runs on the current rayon pool. Its size does not change
-    /// the result.
+    /// Samples the lobe of each model at its configuration. Runs on the current rayon pool. The size of the pool does
+    /// not change the result.
     #[must_use]
     pub fn new(at: &[(BrdfModel, Configuration)]) -> Self {
         let sampled = |(brdf, at): &(BrdfModel, Configuration)| {
@@ -37,8 +36,8 @@ impl SampledLobes {
         Self { lobes: at.par_iter().with_max_len(4).map(sampled).collect() }
     }
 
-    /// The distance of each lobe from the numbers that represent it, relative to the lobe's width, in order. Surplus
-    /// lobes are ignored. Runs on the current rayon pool. Its size does not change the result.
+    /// The distance of each lobe from the distribution that represents it, relative to the lobe's width, in order.
+    /// Surplus lobes are ignored. Runs on the current rayon pool. The size of the pool does not change the result.
     #[must_use]
     pub fn widths(&self, model: LobeModel, found: &[LookedUp], closeness: Closeness) -> Vec<f64> {
         let probe = Probe::of_directions(match closeness {

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::{Accuracy, GoOn, figures};
 use crate::{Configuration, LobeFresnel, LookedUp, SecondLobe, Table, WeightedF0};
 
-/// The F0 of plastic, the measured material for blended lobes.
+/// The F0 of plastic, the material for which blended lobes are measured.
 const PLASTIC: f64 = 0.04;
 
 /// The errors of the second lobes of a table.

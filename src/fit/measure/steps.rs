@@ -114,7 +114,7 @@ mod tests {
         // Samples on both sides of zero: 0.5 moves to -3, 0.25 to -1 and 0.25 to 1.
         let found = areas(&[(-2.0, 0.5), (2.0, 0.5)], &[(1.0, 0.25), (-1.0, 0.25), (-3.0, 0.5)]);
         assert_eq!(found, Areas { between: 0.5 + 0.75 + 0.25, deviation: 2.0 });
-        // Both signs of zero are the same position, and equal distributions have no distance.
+        // Both signs of zero are the same position, and equal distributions have a distance of zero.
         assert_eq!(areas(&[(-0.0, 0.5), (0.0, 0.5)], &[(0.0, 1.0)]), Areas { between: 0.0, deviation: 0.0 });
     }
 

@@ -106,8 +106,8 @@ fn a_table_without_terms_has_no_error_of_terms() {
     assert_eq!((found.nodes.amplitude, found.between.fresnel), (None, None));
 }
 
-/// An integrated second lobe is measured like a table of it. A blend is measured as the lobe of plastic, from which the
-/// first lobe alone is farther.
+/// An integrated second lobe is measured like a table of this lobe alone. A blend is compared with the lobe of plastic,
+/// and is closer to it than the first lobe alone.
 #[test]
 fn second_lobes_are_measured_as_they_are_used() {
     let of = |second| of_brdf(BrdfModel::from(BrdfKind::Ggx).with_fresnel(LobeFresnel::Two(second)));
@@ -178,7 +178,7 @@ fn a_report_stops_as_soon_as_it_may_not_go_on() {
     };
     assert_eq!(go_on(usize::MAX), Some(report(&table, &recipe.range, 40)));
     let places = asked.load(Ordering::Relaxed);
-    assert!(places > 40, "it was asked {places} times");
+    assert!(places > 40, "go_on was called {places} times");
     assert_eq!(go_on(3), None);
     // No new configuration starts after `go_on` returns false. Other threads may have called it at the same time.
     assert!(asked.load(Ordering::Relaxed) < places, "it went on to the end");

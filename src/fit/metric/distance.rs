@@ -12,7 +12,7 @@ pub(crate) struct Samples {
     pub(crate) count: usize,
     /// Directions of the projections.
     pub(crate) directions: usize,
-    /// Shift of the sample sequences, in parts of a turn.
+    /// Cyclic shift of the sample sequences, in [0, 1).
     pub(crate) shift: [f64; 2],
 }
 
@@ -32,7 +32,7 @@ pub(crate) struct Lobe<'a> {
 pub(crate) struct Draws {
     /// Directions, drawn with the lobe's density.
     pub(crate) lobe: Vec<DVec3>,
-    /// Directions of the clamped cosine, of the same number.
+    /// The same number of directions, drawn from the clamped cosine.
     pub(crate) cosines: Vec<DVec3>,
     /// Directions of the projections.
     pub(crate) directions: Vec<DVec3>,
@@ -41,7 +41,7 @@ pub(crate) struct Draws {
 /// The precision of an evaluation of the distance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Grain {
-    /// A part of the samples and directions. It costs an eighth of the work and leads close to the minimum.
+    /// Some of the samples and directions, for an eighth of the work. A coarse search ends close to the minimum.
     Coarse,
     /// All samples and directions.
     Full,
@@ -52,13 +52,13 @@ pub(crate) trait MetricRules: Sync {
     /// The metric with these samples.
     fn distance(&self, samples: &Samples) -> Box<dyn Distance>;
 
-    /// True if its losses have images, see [`Loss::images`].
+    /// True if its losses implement [`Loss::images`].
     fn compares_images(&self) -> bool {
         false
     }
 
-    /// Seconds of one evaluation, with or without a gradient, for these numbers of samples and directions. One thread,
-    /// on the machine of `fit_seconds`. The preparation of an entry is included.
+    /// Seconds of one evaluation, with or without a gradient, for these numbers of samples and directions. Measured
+    /// with one thread on the machine of `fit_seconds`. The preparation of an entry is included.
     fn seconds(&self, samples: usize, directions: usize) -> f64;
 }
 
@@ -85,11 +85,11 @@ pub(crate) trait Loss {
     /// The distance at `m` and its gradient with respect to the elements of `m`.
     fn value_and_gradient(&mut self, m: &DMat3, grain: Grain, stop_check: &mut StopCheck) -> Option<(f64, DMat3)>;
 
-    /// `rate` times the gradient of the distance with respect to `m`, estimated from these samples alone. `m` is a
-    /// matrix to the tangent frame, with a determinant of either sign.
+    /// `rate` times the gradient of the distance with respect to `m`, estimated from `draws` alone. `m` maps to the
+    /// tangent frame, and its determinant can have either sign.
     fn step(&self, m: &DMat3, rate: f64, draws: &Draws, stop_check: &mut StopCheck) -> Option<DMat3>;
 
-    /// The same distance for other models than LTCs; `None` unless the metric only compares samples.
+    /// The same distance for models other than LTCs; `None` unless the metric compares only samples.
     fn images(&mut self) -> Option<&mut dyn ImageLoss> {
         None
     }
@@ -101,10 +101,11 @@ pub(crate) trait ImageLoss {
     /// The points of the unit square whose images an evaluation compares.
     fn lattice(&self, grain: Grain) -> Lattice;
 
-    /// The distance of directions, one for each point of [`ImageLoss::lattice`], and its gradient with respect to each
-    /// direction. Directions and gradient are offsets from +z of the lobe's frame, with one array for each coordinate.
+    /// The distance between the lobe and directions, one for each point of [`ImageLoss::lattice`], and its gradient
+    /// with respect to each direction. Directions and gradient are offsets from +z of the lobe's frame, with one array
+    /// for each coordinate.
     fn slopes(&mut self, offsets: &Offsets, grain: Grain, stop_check: &mut StopCheck) -> Option<(f64, Offsets)>;
 
-    /// The distance of directions without the gradient, for all points.
+    /// The distance between the lobe and directions for all points, without the gradient.
     fn value_of(&mut self, offsets: &Offsets, stop_check: &mut StopCheck) -> Option<f64>;
 }

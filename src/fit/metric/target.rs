@@ -9,8 +9,8 @@ use crate::{
 
 /// Samples of the cosine-weighted lobe, normalised to a distribution.
 ///
-/// Sample `i` is the direction `frame * (p_i + z)`. So `p` is small if the lobe is sharp, and keeps all its digits in
-/// f32. Its height is computed as `p.z = -(p.x^2 + p.y^2) / (1 + z)` instead of `z - 1`.
+/// Sample `i` is the direction `frame * (p_i + z)`. The offset `p` is small if the lobe is sharp, and therefore keeps
+/// all its digits in f32. Its height is computed as `p.z = -(p.x^2 + p.y^2) / (1 + z)` instead of `z - 1`.
 #[derive(Debug, Clone)]
 pub(crate) struct Target {
     /// Rotation from the lobe's frame, whose +z is the mean direction, to the tangent frame.
@@ -66,12 +66,13 @@ impl Drawn {
     /// The target in the frame of its mean direction, which is above the horizon.
     fn target(self, mirrors: Mirrors) -> Target {
         let sum = self.directions.iter().zip(&self.weights).fold(DVec3::ZERO, |sum, (wi, weight)| sum + *weight * *wi);
-        // The samples of a symmetric lobe are slightly asymmetric. This makes their mean direction symmetric.
+        // The samples of a symmetric lobe are slightly asymmetric. Setting these components to zero makes the mean
+        // direction symmetric.
         let axis = DVec3::new(if mirrors.x { 0.0 } else { sum.x }, if mirrors.y { 0.0 } else { sum.y }, sum.z);
         self.in_frame(rotation_from_z(axis.normalize()), mirrors, None)
     }
 
-    /// The target in a frame. Without a given `core` it gets its own core.
+    /// The target in a given frame. If `core` is `None`, the core is computed from the target's own samples.
     fn in_frame(self, frame: DMat3, mirrors: Mirrors, core: Option<LobeCore>) -> Target {
         let Self { directions, mut weights, count } = self;
         let to_lobe = frame.transpose();
@@ -100,7 +101,8 @@ pub(crate) struct LobeCore {
 }
 
 impl LobeCore {
-    /// The number of samples of the estimate. Its error is far below the correction by the fit.
+    /// The number of samples for the estimate. The fit corrects the estimate by far more than the error of the
+    /// estimate.
     const SAMPLES: usize = 512;
     /// The number of reweightings. Each removes about half of the remaining error.
     const ROUNDS: usize = 12;
@@ -161,7 +163,7 @@ pub(crate) mod tests {
     use super::*;
     use crate::{brdf::BrdfSample, lobe::ltc::Ltc, math::Lattice};
 
-    /// A surface whose lobe for every view is the LTC of a matrix. Almost all of it is above the horizon.
+    /// A surface whose lobe for every view is the LTC of a matrix. Almost all of the LTC is above the horizon.
     pub(crate) struct PlantedBrdf(Ltc);
 
     impl PlantedBrdf {

@@ -116,7 +116,7 @@ fn stored_matrices_are_upright_and_normalised_as_the_layout_says() {
         let small = if layout.is_of_materials() { [3, 1, 4, 3] } else { SMALL };
         for m in &table(layout, small).matrix {
             let m = from_row_major(&m.map(f64::from));
-            // If no number is fixed, the scale of entries is chosen between nodes with the other numbers.
+            // If the layout fixes no number, the fit chooses the scale of entries to minimise the error between nodes.
             let has_free_scale = [Layout::Godot, Layout::Inverse].contains(&layout);
             let is_normalised = has_free_scale || (layout.rules().norm(&m) - 1.0).abs() < 1e-6;
             assert!(m.determinant() > 0.0 && is_normalised, "{layout:?} {m}");
@@ -124,8 +124,8 @@ fn stored_matrices_are_upright_and_normalised_as_the_layout_says() {
     }
 }
 
-/// Mirror-like lobes down to the horizon. Some of them are lines, whose best fit has no width. Their f32 matrices still
-/// have a positive determinant.
+/// Tests mirror-like lobes down to the horizon. Some of them are lines, whose best fit has no width. Their f32 matrices
+/// still have a positive determinant.
 #[test]
 fn f32_matrices_of_the_sharpest_lobes_are_upright() {
     for (seed, layout) in (0..3).flat_map(|seed| ANISOTROPIC.iter().map(move |layout| (seed, *layout))) {
@@ -197,8 +197,8 @@ fn check_halfway(table: &Table) {
     assert!(pairs > 2000);
 }
 
-/// Tests many steps of few samples, and few steps of many. In every long entry, progress is called after a fixed amount
-/// of work. The call that stops the fit is the last call.
+/// Tests many steps of few samples, and few steps of many samples. In every long entry, the progress callback is called
+/// after a fixed amount of work. The call that stops the fit is the last call.
 #[test]
 fn every_solver_stops_in_the_middle_of_a_long_entry() {
     let plan = plan([2; 4]);

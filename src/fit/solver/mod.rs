@@ -35,7 +35,7 @@ impl Solver {
         self.rules().is_isotropic()
     }
 
-    /// True if a recipe sets a shear and a start for it.
+    /// True if a recipe sets a shear and a start for the solver.
     #[must_use]
     pub fn has_simplex(self) -> bool {
         self.rules().has_simplex()

@@ -43,7 +43,7 @@ pub(crate) struct Objective<'a> {
     pub(crate) stream: u64,
     /// The settings of a solver with a simplex.
     pub(crate) simplex: Simplex,
-    /// The matrix of a neighbouring lobe, in the frame of that lobe, for solvers that start from a matrix.
+    /// The matrix of a neighbouring lobe, in the frame of that lobe, for solvers that start from a given matrix.
     pub(crate) near: Option<DMat3>,
 }
 
@@ -53,7 +53,7 @@ pub(crate) trait SolverRules: Sync {
     fn solve(&self, objective: Objective<'_>, stop_check: &mut StopCheck) -> Option<DMat3>;
 
     /// Seconds that an entry takes for the projections of its lobe, the search with at most `effort.steps` steps, and
-    /// the measured error. One thread, on the machine of `fit_seconds`.
+    /// the measured error. Measured with one thread on the machine of `fit_seconds`.
     fn seconds(&self, lobe: LobeModel, effort: &Effort) -> f64;
 
     /// True if the solver fits only isotropic surfaces.

@@ -1,8 +1,8 @@
 //! The published fitter of KT et al. 2022, Algorithm 3. It is the reference for speed and accuracy.
 //!
 //! Every step draws new samples of the lobe (Algorithm 1, by rejection), of the LTC (Algorithm 2) and of directions. It
-//! sorts the projections, and moves all nine numbers of `M` down the gradient at a constant rate. With another metric
-//! it estimates the gradient of this metric from the same samples.
+//! sorts the projections, and moves all nine numbers of `M` down the gradient at a constant rate. With a metric other
+//! than `sw1`, it estimates the gradient of this metric from the same samples.
 
 use std::f64::consts::{LN_2, PI};
 
@@ -19,19 +19,20 @@ use crate::{
     stop_check::StopCheck,
 };
 
-/// Length of a step in units of the gradient. The paper gives no value. With 0.1 a broad lobe reaches three times the
-/// error of its best fit after some hundred steps.
+/// Length of a step in units of the gradient. The paper gives no value. With 0.1, the error of a broad lobe falls to
+/// three times the error of the best fit after a few hundred steps.
 const RATE: f64 = 0.1;
 
 /// Seconds of a step for each sample, independent of the number of directions. They cover a sample of the lobe and a
 /// sample of the LTC.
 const DRAW_SECONDS: f64 = 0.25e-6;
 /// Seconds of a step for each sample and direction, mostly for two sorts: `a + b log2 samples`. From 128 to 65,536
-/// samples, measured steps take 0.75 to 1.25 times as long.
+/// samples, measured steps take 0.75 to 1.25 times as long as this prediction.
 const SORT_SECONDS: [f64; 2] = [12e-9, 4.5e-9];
 /// Seconds of a step for each sample with metric `l3`: the densities of lobe and LTC at two samples.
 const DENSITY_SECONDS: f64 = 0.1e-6;
-/// Seconds for each sample and direction outside of the steps, for the lobe's projections and the measured error.
+/// Seconds for each sample and direction that are not part of a step: for the lobe's projections and the measured
+/// error.
 const REST_SECONDS: f64 = 20e-9;
 
 /// The published descent as an item of [`super::Solver`].
@@ -92,7 +93,7 @@ impl Uniform {
 const DRAW: usize = 16;
 /// The number of samples in the search for the largest weight.
 const LOOKED_AT: usize = 1024;
-/// If all weights are smaller, most samples would be rejected.
+/// If all weights were below this value, most samples would be rejected.
 const LIGHT: f64 = 0.125;
 
 /// An upper bound of the weights of a lobe's samples. It is one, except for lobes that reflect little, such as smooth

@@ -8,9 +8,11 @@ named_list! {
     /// The element of the matrix that skews a lobe in its plane of incidence, in the frame of the lobe's mean
     /// direction.
     pub enum Shear {
-        /// An element of the third column. It shifts the lobe along x, and moves no part behind it [Heitz et al. 2016].
+        /// An element of the third column. It shifts the lobe along x. All directions stay in the hemisphere around the
+        /// mean direction [Heitz et al. 2016].
         X = "x",
-        /// An element of the third row. It tilts the lobe, and moves a part behind it.
+        /// An element of the third row. It tilts the lobe. Some directions leave the hemisphere around the mean
+        /// direction.
         Z = "z",
     }
 }
@@ -18,8 +20,8 @@ named_list! {
 named_list! {
     /// The start of the search for a lobe's matrix.
     pub enum Start {
-        /// The matrix of the neighbouring lobe. The sequence goes from the roughest lobe seen from above to the
-        /// roughness of the row, then to the horizon.
+        /// The matrix of the neighbouring lobe. The sequence begins with the roughest lobe seen from above, continues
+        /// to the roughness of the row, and then to the horizon.
         Warm = "warm",
         /// The lobe's own location and scatter. Entries then do not depend on each other.
         Independent = "independent",

@@ -8,8 +8,8 @@ use crate::{
     math::{from_row_major, row_major},
 };
 
-/// The weight of the second lobe in a material's blend. It is the part of the material's light due to Schlick's fifth
-/// power:
+/// The weight of the second lobe in a material's blend. It is the fraction of the material's light that comes from
+/// Schlick's fifth power:
 ///
 /// ```text
 /// w = (F90 - F0) fresnel / (F0 amplitude + (F90 - F0) fresnel)
@@ -25,15 +25,15 @@ pub fn blend_weight(terms: LobeTerms, f0: f64, f90: f64) -> f64 {
     if reflected > 0.0 { weighed / reflected } else { 0.0 }
 }
 
-/// The matrix of the blended lobe, `(1 - w) M + w M_2`. Both matrices are as a lookup returns them.
+/// The matrix of the blended lobe, `(1 - w) M + w M_2`. Both matrices must come from a lookup.
 #[must_use]
 pub fn blended(first: &DMat3, second: &DMat3, weight: f64) -> DMat3 {
     *first * (1.0 - weight) + *second * weight
 }
 
 impl LookedUp {
-    /// The same numbers with the matrix of a material's lobe, for this F0 and F90 = 1. The matrix is the blend of both
-    /// lobes, if there are two lobes and terms. Domain: F0 in \[0, 1\].
+    /// The same numbers with the matrix of a material's lobe, for this F0 and F90 = 1. If there are two lobes and
+    /// terms, the matrix is the blend of both lobes. Otherwise the matrix does not change. Domain: F0 in \[0, 1\].
     #[must_use]
     pub fn blended_for(&self, f0: f64) -> Self {
         let Some((second, (amplitude, fresnel))) = self.second.zip(self.amplitude.zip(self.fresnel)) else {

@@ -28,8 +28,8 @@ impl Configuration {
     }
 }
 
-/// A configuration with `alpha_x >= alpha_y` and phi in the first quadrant, and the steps back to the original
-/// configuration.
+/// A configuration with `alpha_x >= alpha_y` and phi in the first quadrant, and the steps that lead back to the
+/// original configuration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Folded {
     pub(super) alpha: f64,
@@ -66,8 +66,8 @@ impl Folded {
 
     /// Converts the matrix of the folded configuration to the matrix of the original configuration.
     ///
-    /// Each mirror or swap `F` is applied on both sides, `F M F`. The right side does not change the distribution. It
-    /// preserves the sign of the determinant, and so the winding of light polygons.
+    /// Each mirror or swap `F` is applied on both sides, `F M F`. The factor on the right does not change the
+    /// distribution. It preserves the sign of the determinant, and therefore the winding of light polygons.
     pub(super) fn unfold(&self, mut m: DMat3) -> DMat3 {
         if self.swap {
             (m.x_axis, m.y_axis) = (m.y_axis, m.x_axis);

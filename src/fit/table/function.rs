@@ -6,14 +6,14 @@
 //!
 //! ```text
 //! sum over i, j < 10 of c_ij T_i(x) T_j(y)
-//! x = from -1 to 1 over the table's roughness sqrt(alpha),    y = the same over its 1 - sqrt(cos theta)
+//! x = from -1 to 1 over the table's roughness sqrt(alpha),    y = from -1 to 1 over the table's 1 - sqrt(cos theta)
 //! ```
 //!
 //! with Chebyshev polynomials `T`. The coefficients are a least-squares fit at the nodes, weighted by the ranges of
 //! roughness and angle around each node. They are rounded to multiples of 1/8192 or 1/16384 that fit 16 bits.
 //!
-//! Fitted lobes vary slightly from node to node. Least squares average this away, so the function is nearer to the
-//! truth than a fine table of layout `reflected`.
+//! The errors of fitted lobes vary slightly from node to node. The least-squares fit averages out this variation, so
+//! the function is closer to the exact lobes than a fine table of layout `reflected`.
 
 use super::{Configuration, LookedUp, Table};
 use crate::{
@@ -32,7 +32,7 @@ const CHANNELS: [usize; 6] = [0, 2, 3, 5, 7, 8];
 const STEPS: [f64; 6] = [1.0 / 8192.0, 1.0 / 8192.0, 1.0 / 8192.0, 1.0 / 16384.0, 1.0 / 16384.0, 1.0 / 16384.0];
 /// The smallest number of nodes along either axis. With fewer nodes the polynomials would oscillate between them.
 const LEAST_NODES: usize = 32;
-/// The number of nodes along either axis of the table that measures the function.
+/// The number of nodes along either axis of the table through which the function is measured.
 const MEASURED_NODES: u32 = 128;
 
 /// A recipe of a table that can be converted to a function.
@@ -51,7 +51,7 @@ pub enum FunctionError {
     },
     /// A layout whose numbers do not represent the lobes at the nodes.
     #[error(
-        "layout {layout} chooses its numbers for the error between nodes, not for the lobes at nodes; a suitable recipe: \
+        "layout {layout} chooses its numbers to minimise the error between nodes, not at the nodes; a suitable recipe: \
          {RECIPE}"
     )]
     Chosen {
@@ -70,14 +70,14 @@ pub enum FunctionError {
     #[error("the table has no terms: its recipe needs \"terms\": true")]
     NoTerms,
     /// A scattering model whose lobes are not near the reflection.
-    #[error("the function stores lobes relative to a reflection, and lobes of brdf {brdf} do not follow it")]
+    #[error("the function stores lobes relative to the reflection, but lobes of brdf {brdf} do not follow it")]
     Reflection {
         /// The scattering model.
         brdf: BrdfKind,
     },
-    /// Two lobes an entry.
+    /// Two lobes per entry.
     #[error(
-        "the table has two lobes an entry, and the function has one: leave field fresnel out, or name a mix of materials"
+        "the table has two lobes per entry, but the function has one; omit field fresnel or use a mix of materials"
     )]
     TwoLobes,
     /// A lobe model other than LTCs.
@@ -105,7 +105,7 @@ pub enum FunctionError {
 /// An isotropic table as polynomials.
 #[derive(Debug, Clone, PartialEq)]
 pub struct IsotropicFunction {
-    /// Coefficients by power of roughness, power of view, and channel.
+    /// Coefficients by degree in roughness, degree in view, and channel.
     coefficients: [[[i16; 6]; FUNCTION_SIDE]; FUNCTION_SIDE],
     /// The first and last `sqrt(alpha)`.
     roughness: [f64; 2],
@@ -173,7 +173,7 @@ impl IsotropicFunction {
         Ok(found)
     }
 
-    /// The coefficients in multiples of [`Self::steps`], by power of roughness, power of view, and channel. The
+    /// The coefficients in multiples of [`Self::steps`], by degree in roughness, degree in view, and channel. The
     /// channels are `p`, `q`, the slant of the third column, the last row, and the two terms, as in
     /// `shaders/ltc_function.wgsl`.
     #[must_use]
@@ -211,7 +211,7 @@ impl IsotropicFunction {
         Table::of_smooth_numbers((source.brdf(), source.lobe, Layout::Reflected), axes, &numbers, true)
     }
 
-    /// The numbers that a shader computes. They are for the larger roughness, raised to [`ALPHA_FLOOR`], and turned
+    /// The numbers that a shader computes. They are for the larger roughness, raised to [`ALPHA_FLOOR`]. The lobe turns
     /// with the view.
     #[must_use]
     pub fn lobe(&self, configuration: &Configuration) -> LookedUp {
@@ -272,7 +272,7 @@ fn shares(places: &[f64]) -> Vec<f64> {
     (0..=last).map(|i| 0.5 * (places[(i + 1).min(last)] - places[i.saturating_sub(1)])).collect()
 }
 
-/// Least squares along one axis: a matrix from values at nodes to coefficients.
+/// Least squares along one axis: a matrix that maps values at nodes to coefficients.
 struct Projection(Vec<[f64; FUNCTION_SIDE]>);
 
 impl Projection {

@@ -51,7 +51,8 @@ impl Bracket {
     }
 }
 
-/// Clamps `x` to the range of an axis's nodes. Nodes of materials are not sorted.
+/// Clamps `x` to the range of an axis's nodes. Materials are not sorted, so the smallest and largest node are searched
+/// for.
 fn clamped(x: f64, nodes: &[f64]) -> f64 {
     let least = nodes.iter().copied().fold(f64::INFINITY, f64::min);
     let most = nodes.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -102,13 +103,14 @@ impl Table {
         self.layout.is_of_materials().then(|| nearest_material(self.materials(), alpha, ratio))
     }
 
-    /// True for a table of isotropic surfaces with one phi. It serves every phi, because the lobe turns with the view.
+    /// True for a table of isotropic surfaces with one phi. The table is valid for every phi, because the lobe turns
+    /// with the view.
     #[must_use]
     pub fn serves_every_phi(&self) -> bool {
         self.axes.ratio.iter().all(|ratio| *ratio == 1.0) && self.axes.phi.len() == 1
     }
 
-    /// The edge's spread at a point within the nodes. All layouts store it without a change.
+    /// The edge's spread at a point within the nodes. All layouts store it unchanged.
     fn edge_spread_at(&self, place: &PerAxis<f64>) -> Option<f64> {
         let edge = self.terms.as_ref()?.edge.as_ref()?;
         Some(self.corners(&self.brackets(place)).map(|(index, weight)| weight * f64::from(edge[index])).sum())

@@ -1,6 +1,6 @@
 //! A fitted table and its lookup.
 //!
-//! Invariant: `table` reads tables, and does not know how they were fitted.
+//! Invariant: `table` reads tables and does not depend on how they were fitted.
 
 mod blend;
 mod fold;
@@ -143,14 +143,14 @@ impl Table {
         self.second.as_deref()
     }
 
-    /// The table's axes as shaders read them. Domain: nodes of its layout; all table files have them.
+    /// The table's axes as shaders read them. Domain: the nodes belong to the table's layout, as in every table file.
     #[must_use]
     pub fn shader_axes(&self) -> ShaderAxes {
         let axes = self.layout.shader_axes(&self.axes);
         if self.second.is_some() { axes.with_second() } else { axes }
     }
 
-    /// The use of the second lobe, if entries have two lobes.
+    /// How renderers use the second lobe, if entries have two lobes.
     #[must_use]
     pub fn second_lobe(&self) -> Option<SecondLobe> {
         self.brdf.fresnel().second()
@@ -161,14 +161,15 @@ impl Table {
     #[must_use]
     pub fn of_second(&self) -> Option<Self> {
         let matrix = self.second.clone()?;
-        // The second lobe of blended lobes is close to this lobe.
+        // The second lobe of blended lobes is close to the lobe of Schlick's fifth power.
         let of_power = LobeFresnel::mix(vec![WeightedF0 { f0: SecondLobe::Integrated.fitted_f0(), weight: 1.0 }]);
         let brdf = self.brdf.clone().with_fresnel(of_power.unwrap_or_default());
         Some(Self { brdf, matrix, second: None, ..self.clone() })
     }
 
-    /// The determinant of each stored matrix. If entries have two lobes, it is the smaller determinant. If it is zero
-    /// or not finite, the matrix has no distribution. If it is negative, a light's winding is reversed.
+    /// The determinant of each stored matrix. If entries have two lobes, it is the smaller determinant. If the
+    /// determinant is zero or not finite, the matrix has no distribution. If it is negative, the winding of lights is
+    /// reversed.
     pub fn determinants(&self) -> impl Iterator<Item = f64> {
         let of = |matrix: &[f32; 9]| from_row_major(&matrix.map(f64::from)).determinant();
         self.matrix.iter().enumerate().map(move |(entry, matrix)| {

@@ -27,7 +27,8 @@ impl Table {
         self.matrix.iter().enumerate().map(entry).collect()
     }
 
-    /// The table of these numbers, one row for each entry. They do not contain `node_error`, which becomes NaN.
+    /// Converts these numbers, one row for each entry, to a table. They do not contain `node_error`, which is set to
+    /// NaN.
     #[must_use]
     pub fn of_smooth_numbers(
         (brdf, lobe, layout): (BrdfKind, LobeModel, Layout),

@@ -6,7 +6,7 @@ use super::*;
 use crate::{LightModel, Lighting, PolygonLight, TableUse, by_table_as, cases::Draw};
 use ltcforge_fit::{BrdfKind, Sides, Table, math::recurrence4, terms_of};
 
-/// Surfaces with views to 88 degrees.
+/// Surfaces with views up to 88 degrees from the normal.
 fn places(count: usize) -> impl Iterator<Item = Configuration> {
     (0..count).map(|i| {
         let [root, ratio, theta, phi] = recurrence4(i, [0.3, 0.7, 0.2, 0.9]);

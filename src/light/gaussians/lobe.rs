@@ -17,7 +17,7 @@ pub enum Warp {
 pub struct Lobe<T> {
     /// Direction and width.
     pub shape: SphericalGaussian<T>,
-    /// The albedo: the reflection of all directions together, in [0, 1].
+    /// The albedo: the reflected light from all directions together, in [0, 1].
     pub weight: T,
     /// Schlick's `(1 - wo . h)^5` at the centre.
     pub schlick: T,

@@ -9,12 +9,12 @@
 //! ```
 //!
 //! `r` is the reflection of the view at a central normal. `t1` and `t2` are the movements of the reflection if this
-//! normal tilts by a deviation; where they are perpendicular, their lengths are `a1` and `a2`. `d` is the equal-area
-//! projection around `r`, of length `2 sin(angle / 2)`. In it a spherical Gaussian `exp(L (w . r - 1))` is exactly a
-//! Gaussian of the plane, with `L = 2 / a^2` (`lobe.rs`, `fit::lobe::gaussian`). The error function maps the plane to a
-//! square, and a polygon's part of the Gaussian is an area there (`fit::lobe::gaussian::covered`). The light of a
-//! spherical Gaussian is a convolution of two Gaussians (`sg_light.rs`). `studies/gaussians.md` has the derivation and
-//! the errors.
+//! normal tilts by one standard deviation. If they are perpendicular, their lengths are `a1` and `a2`. `d` is the
+//! equal-area projection around `r`, of length `2 sin(angle / 2)`. In this projection, a spherical Gaussian
+//! `exp(L (w . r - 1))` is exactly a Gaussian of the plane, with `L = 2 / a^2` (`lobe.rs`, `fit::lobe::gaussian`). The
+//! error function maps the plane to a square, and a polygon's part of the Gaussian is an area there
+//! (`fit::lobe::gaussian::covered`). The light of a spherical Gaussian is a convolution of two Gaussians
+//! (`sg_light.rs`). `studies/gaussians.md` has the derivation and the errors.
 
 mod lobe;
 mod model;
@@ -65,10 +65,10 @@ pub(crate) fn reflected_around<T: Scalar>(
     lobe.parts().map(|part| part * covered)
 }
 
-/// The reflected light of a polygon, like [`reflected`], for a given Gaussian. `parts` are the reflections of all
+/// The reflected light of a polygon, like [`reflected`], for a given Gaussian. `parts` is the reflected light from all
 /// directions of its plane together, for a Fresnel factor of one and weighted by Schlick's factor.
 ///
-/// A table's Gaussian is cut at the horizon, so the first part can exceed one. The reflected light does not.
+/// A table's Gaussian is cut at the horizon, so the first part can exceed one. The reflected light cannot.
 #[must_use]
 pub fn reflected_by<T: Scalar>(
     shape: &SphericalGaussian<T>,

@@ -47,7 +47,7 @@ impl Formula for GaussianModel {
 /// [`by_normals`](crate::by_normals).
 ///
 /// # Errors
-/// As [`by_normals`](crate::by_normals).
+/// The errors of [`by_normals`](crate::by_normals).
 pub fn by_gaussian<'a>(
     at: &Configuration,
     light: impl Into<AreaLight<'a>>,
@@ -59,7 +59,7 @@ pub fn by_gaussian<'a>(
 /// Like [`by_gaussian`], with the Gaussian of a warp.
 ///
 /// # Errors
-/// As [`by_gaussian`].
+/// The errors of [`by_gaussian`].
 pub fn by_warp<'a>(
     at: &Configuration,
     light: impl Into<AreaLight<'a>>,

@@ -25,8 +25,8 @@ pub fn reflected_sg<T: Scalar>(gaussian: Gaussian, alpha: [T; 2], wo: Triple<T>,
     reflected_sg_by(&lobe.shape, lobe.parts(), light)
 }
 
-/// The reflected light of a spherical Gaussian, like [`reflected_sg`], for a given Gaussian. `parts` are the
-/// reflections of all directions together.
+/// The reflected light of a spherical Gaussian, like [`reflected_sg`], for a given Gaussian. `parts` is the reflected
+/// light from all directions together.
 ///
 /// In the plane around the Gaussian's axis, the light is `exp(-L d^2 / 2)` around its own centre `d`, and the inner
 /// product is the value of the convolution there. With `X` the rows of the Gaussian, `v = X d` and

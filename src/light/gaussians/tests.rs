@@ -95,7 +95,7 @@ fn narrow_gaussians_have_their_weight_as_integral() {
     }
 }
 
-/// Compares the part over a light, from the polygon's rule, with a quadrature of the Gaussian.
+/// Compares the part of the Gaussian over a polygon light with a quadrature of the Gaussian.
 #[test]
 fn polygons_cover_about_what_the_gaussian_has_over_them() {
     let (mut sum, mut most, mut count) = (0.0, 0.0_f64, 0);
@@ -129,7 +129,7 @@ fn a_mirror_reflects_all_of_a_light_or_nothing() {
             let wo = direction(theta, 0.3);
             let mirror = DVec3::new(-wo.x, -wo.y, wo.z);
             for (k, half) in (0..40_u32).flat_map(|k| [0.45, 1.2, 7.0].map(|half| (k, half))) {
-                // The largest extent behind the mirror direction.
+                // With this offset, a light reaches farthest behind the mirror direction.
                 let light = square(mirror + 1.2 * half * direction(1.1, f64::from(k)), half);
                 let edge = |i: usize| DVec3::from(light[i]).cross(DVec3::from(light[(i + 1) % 4])).dot(mirror);
                 let is_lit = (0..4).all(|i| edge(i) > 0.0);
@@ -151,7 +151,8 @@ fn a_tiny_light_reflects_its_size_times_the_density() {
                 let centre = (DVec3::from(lobe.shape.axis) + DVec3::new(0.7, -0.4, 0.2) * towards).normalize();
                 let [energy, fresnel] = reflected(gaussian, alpha, wo, &square(centre, 5e-4), Sides::One);
                 let wanted = lobe.density(centre.to_array()) * 1e-6;
-                // The derivative of the error function is approximately its value at the centre.
+                // The error function is an approximation, and so is its derivative. The tolerance is relative to the
+                // value at the centre.
                 let middle = lobe.weight * lobe.shape.peak() * 1e-6;
                 assert!((energy - wanted).abs() < 0.03 * middle, "{gaussian} {alpha:?} {towards}: {energy} {wanted}");
                 assert!((fresnel - energy * lobe.schlick).abs() < 1e-12);
@@ -234,8 +235,8 @@ fn the_light_of_a_gaussian_is_an_inner_product() {
     assert!((of(1e9) - point).abs() < 1e-6 * point && (of(1e-9) - lobe.weight).abs() < 1e-6);
 }
 
-/// Tests lights that the horizon cuts, on a rough surface seen from above. The horizon has the same distance from the
-/// axis everywhere.
+/// Tests lights that the horizon cuts, on a rough surface seen from above. The horizon is 90 degrees from the axis
+/// everywhere.
 #[test]
 fn single_and_double_precision_agree_where_the_horizon_is_a_quarter_away() {
     for (gaussian, k) in Gaussian::ALL.iter().flat_map(|gaussian| (0..60_u32).map(move |k| (*gaussian, f64::from(k)))) {
@@ -298,7 +299,7 @@ fn the_warp_around_the_surface_s_normal_is_farther_off() {
         }
     }
     let [visible, surface] = errors.map(|error| error / f64::from(count));
-    println!("around the middle visible normal {visible:.4}, around the surface's {surface:.4}, of {count}");
+    println!("around the middle visible normal {visible:.4}, around the surface normal {surface:.4}, {count} lights");
     assert!(visible < 0.7 * surface && visible < 0.05, "{visible} {surface}");
 }
 
@@ -324,8 +325,8 @@ fn the_light_of_gaussians_is_as_far_off_as_the_docs_say() {
         }
     }
     let [sg, asg, sg_warp, asg_warp] = errors.map(|error| error / f64::from(count));
-    println!("sg {sg:.4}, asg {asg:.4}; around the surface's normal {sg_warp:.4}, {asg_warp:.4}");
-    println!("{count} lights, of which {:.3} is reflected on average", energy / f64::from(count));
+    println!("sg {sg:.4}, asg {asg:.4}; around the surface normal {sg_warp:.4}, {asg_warp:.4}");
+    println!("{count} lights; mean reflected light {:.3}", energy / f64::from(count));
     assert!(asg < 0.053 && asg < asg_warp && sg < 0.078 && sg < sg_warp, "{sg} {asg} {sg_warp} {asg_warp}");
 }
 

@@ -2,9 +2,9 @@
 //!
 //! Seen from the origin, the ellipse `c + cos t x + sin t y` is a cone of directions. With `S = x x^T + y y^T - c c^T`,
 //! a plane through the origin with normal `n` cuts the cone if and only if `n^T S n > 0`. So the eigenvectors of `S`
-//! are the cone's axes. The eigenvector of the negative eigenvalue `-l3` points along its middle. Across it the cone
-//! has the half axes `sqrt(l1 / l3)` and `sqrt(l2 / l3)` at distance one: an ellipse that faces the origin [Heitz and
-//! Hill 2017, for the inverse of `S`]. No plane, inverse or vertex of the ellipse is needed.
+//! are the cone's axes. The eigenvector of the negative eigenvalue `-l3` points along its middle. Perpendicular to this
+//! axis, the cone has the half axes `sqrt(l1 / l3)` and `sqrt(l2 / l3)` at distance one: an ellipse that faces the
+//! origin [Heitz and Hill 2017, for the inverse of `S`]. No plane, inverse or vertex of the ellipse is needed.
 //!
 //! By Stokes' theorem, the integral is `1/(2 pi)` times the integral of `(p x dp)_z / |p|^2` along the border. In the
 //! frame of the cone's axes, with `a, b, g = sqrt(l1), sqrt(l2), sqrt(l3)`, the border is `p = (a cos t, b sin t, g)`
@@ -20,9 +20,9 @@
 //! -b g / (A k) artanh(k sin t / A),    a g / (B k) arctan(k cos t / B),    a b / (A B) arctan(B sin t / (A cos t))
 //! ```
 //!
-//! Over a whole turn they give `a b / (A B)` along the middle, which is the form factor without a horizon. If the
+//! Over a whole turn, they add up to `a b / (A B)` along the middle, which is the form factor without a horizon. If the
 //! horizon cuts the cone, the border is the cone's arc above the horizon, closed by an arc of the horizon, which adds
-//! its angle. So the integral is elementary and exact in both cases. A sphere is not needed as an approximation.
+//! its angle. So the integral is elementary and exact in both cases. No approximation by a sphere is needed.
 
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN counts as what the comparison denies")]
 
@@ -31,7 +31,7 @@ use ltcforge_fit::{
     math::{Scalar, Triple, cross, dot, minus, plus, scaled},
 };
 
-/// Newton steps from the start to three digits. [`Scalar::NEWTON_STEPS`] follow.
+/// The number of Newton steps to three digits. [`Scalar::NEWTON_STEPS`] more steps follow.
 const FIRST_STEPS: u32 = 3;
 
 /// A position on the border: cosine and sine of `t`.
@@ -58,7 +58,7 @@ pub(super) enum Horizon<T> {
     Above,
     /// No part of the border.
     Below,
-    /// Up to `half_arc` on both sides of its highest point `top`.
+    /// The arc up to `half_arc` on both sides of the highest point `top`.
     Cuts { top: Turn<T>, half_arc: Turn<T> },
 }
 
@@ -142,7 +142,8 @@ impl<T: Scalar> Cone<T> {
     }
 
     /// The length of the cone's vector form factor without a horizon, and the cosine between the form factor and the
-    /// normal. With [`ltcforge_fit::clipped_form_factor`] they approximate the light above the horizon by a sphere's.
+    /// normal. With [`ltcforge_fit::clipped_form_factor`] they approximate the light above the horizon by the light of
+    /// a sphere.
     #[must_use]
     pub fn form_factor(&self) -> (T, T) {
         (self.whole(), self.axes[2][2])
@@ -163,7 +164,7 @@ impl<T: Scalar> Cone<T> {
         Horizon::Cuts { top: unit_turn([a * n1, b * n2]), half_arc: unit_turn([-g * n3, self.cut2.sqrt()]) }
     }
 
-    /// Twice pi times the integral over a cone that the horizon cuts. The border's arc begins and ends half an arc from
+    /// `2 pi` times the integral over a cone that the horizon cuts. The border's arc begins and ends half an arc from
     /// its top, so all differences can be written as products.
     fn cut(&self, [top_cos, top_sin]: Turn<T>, [q, h]: Turn<T>) -> T {
         let ([a, b], g, [n1, n2, n3]) = (self.half, self.height, self.heights());
@@ -274,7 +275,7 @@ pub(super) fn round<T: Scalar>(from: Turn<T>, to: Turn<T>) -> T {
 /// Newton's method from above. The polynomial is convex beyond its largest root, so the values decrease and stop at the
 /// last digit. The start is the smaller of two bounds, one of which is close if the root is simple. The first is
 /// `2 r - trace / 3`, because all roots are within `2 r` of their mean. The second, for a positive trace, is the root
-/// without the cubic term.
+/// of the polynomial without its cubic term.
 fn largest_root<T: Scalar>(trace: T, minors: T, last: T) -> T {
     let third = T::ONE / T::of(3.0);
     let r = (trace * trace - T::of(3.0) * minors).max(T::ZERO).sqrt() * third;

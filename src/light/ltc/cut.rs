@@ -1,16 +1,18 @@
 //! The integral of a distribution over the part of a light above the surface.
 //!
-//! A linearly transformed cosine ignores the surface. If its own horizon dips below the surface, a part of it lies
-//! there, and it reflects lights below. Cut at the surface, its density is zero below the surface, and above it `1 / S`
-//! times its own density, where `S` is the part above. A direction `M c` is above if `c . M^T z > 0`, so
+//! A linearly transformed cosine ignores the surface. If its own horizon dips below the surface, a part of the
+//! distribution is below the surface and reflects lights there. A cut distribution has the density zero below the
+//! surface. Above the surface, it has the original density divided by `S`, the part of the distribution above the
+//! surface. A direction `M c` is above the surface if `c . M^T z > 0`, so
 //! ```text
 //! S = (1 + cos t) / 2,    cos t = (M^T z)_z / |M^T z|
 //! ```
 //!
-//! is the integral of the clamped cosine over a half space whose normal is at the angle `t` to its own. The part over a
-//! light is the integral over the remaining outline. It has straight edges and arcs of ellipses, cut first at the
-//! surface and then at the lobe's own horizon, and one more edge along the surface. A part of an ellipse is not an
-//! ellipse, but its border is an arc of the same cone, whose integral is known. So the result is exact for every shape.
+//! is the integral of the clamped cosine over a half space. `t` is the angle between the normals of the cosine and of
+//! the half space. The part of the distribution over a light is the integral over the remaining outline. This outline
+//! has straight edges and arcs of ellipses, cut first at the surface and then at the lobe's own horizon, and one more
+//! edge along the surface. A part of an ellipse is not an ellipse, but its border is an arc of the same cone, whose
+//! integral is known. So the result is exact for every shape.
 
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN counts as what the comparison denies")]
 
@@ -32,7 +34,7 @@ pub struct AboveSurface<T> {
 
 impl<T: Scalar> CosineSpace<T> {
     /// The distribution without the part below the surface. Domain: a distribution in the surface's tangent frame,
-    /// normal +z, with a part above.
+    /// normal +z, with a part above the surface.
     #[must_use]
     pub fn above_surface(self) -> AboveSurface<T> {
         AboveSurface { space: self, per_part: T::ONE / self.part_above().max(T::SHORTEST) }
@@ -54,7 +56,7 @@ struct Border<T> {
     cone: Cone<T>,
     height: T,
     /// The directions in which the border crosses the surface upwards and downwards, anticlockwise around the cone;
-    /// `None` if it is all on one side.
+    /// `None` if the whole border is on one side.
     crossings: Option<[Triple<T>; 2]>,
 }
 
@@ -68,7 +70,7 @@ struct Outline<'a, T> {
 }
 
 impl<T: Scalar> AboveSurface<T> {
-    /// The part over a convex polygon, in [0, 1]. Zero for fewer than three vertices.
+    /// The part of the distribution over a convex polygon, in [0, 1]. Zero for fewer than three vertices.
     #[must_use]
     pub fn polygon<V: Copy + Into<Triple<T>>>(&self, vertices: &[V], sides: Sides) -> T {
         let Some(last) = vertices.last() else { return T::ZERO };
@@ -85,7 +87,7 @@ impl<T: Scalar> AboveSurface<T> {
         self.scaled(if sides == Sides::Two { sum.abs() } else { lit })
     }
 
-    /// Like [`CosineSpace::ellipse`].
+    /// Like [`CosineSpace::ellipse`], without the part of the light below the surface.
     #[must_use]
     pub fn ellipse<V: Into<Triple<T>>>(&self, centre: V, half_axes: [V; 2], sides: Sides) -> T {
         let (centre, half_axes) = (centre.into(), half_axes.map(V::into));
@@ -95,7 +97,7 @@ impl<T: Scalar> AboveSurface<T> {
         self.border(centre, half_axes)
     }
 
-    /// Like [`CosineSpace::sphere`].
+    /// Like [`CosineSpace::sphere`], without the part of the light below the surface.
     #[must_use]
     pub fn sphere(&self, centre: impl Into<Triple<T>>, radius: T) -> T {
         let centre = centre.into();
@@ -106,7 +108,7 @@ impl<T: Scalar> AboveSurface<T> {
         self.border(centre, half_axes)
     }
 
-    /// Like [`CosineSpace::line`].
+    /// Like [`CosineSpace::line`], without the part of the light below the surface.
     #[must_use]
     pub fn line<V: Into<Triple<T>>>(&self, ends: [V; 2], width: T) -> T {
         let [a, b] = ends.map(V::into);
@@ -114,13 +116,13 @@ impl<T: Scalar> AboveSurface<T> {
         if !a_is_up && !b_is_up {
             return T::ZERO;
         }
-        // A point of the line, not only its direction, because the width does not scale with the point.
+        // This is the point on the line, not only its direction, because the width does not scale with the point.
         let crossing = || scaled(crossing(a, b), T::ONE / (a[2] - b[2]).abs());
         let ends = [if a_is_up { a } else { crossing() }, if b_is_up { b } else { crossing() }];
         self.scaled(self.space.line(ends, width))
     }
 
-    /// Like [`CosineSpace::tube`].
+    /// Like [`CosineSpace::tube`], without the part of the light below the surface.
     #[must_use]
     pub fn tube<V: Into<Triple<T>>>(&self, ends: [V; 2], radius: T) -> T {
         let ends = ends.map(V::into);

@@ -1,8 +1,8 @@
 //! The integral of a distribution over lights other than polygons: ellipses, spheres, lines and tubes.
 //!
-//! Each is the integral of the clamped cosine over the light transformed by `M^-1`, seen from the origin. An ellipse
-//! and the outline of a sphere become cones over ellipses, see [`Cone`]. A line stays a line. The outline of a tube
-//! becomes two arcs of such cones and two straight edges.
+//! Each integral is the integral of the clamped cosine over the light transformed by `M^-1`, seen from the origin. An
+//! ellipse and the outline of a sphere become cones over ellipses, see [`Cone`]. A line stays a line. The outline of a
+//! tube becomes two arcs of cones over ellipses, and two straight edges.
 
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN counts as what the comparison denies")]
 
@@ -32,12 +32,12 @@ impl<T: Scalar> CosineSpace<T> {
         self.rows.map(|row| dot(row, v))
     }
 
-    /// The part over the ellipse `centre + cos t x + sin t y`, for any two half axes. The lit side is the side of
-    /// `x cross y`.
+    /// The part of the distribution over the ellipse `centre + cos t x + sin t y`, for any two half axes. The lit side
+    /// is the side of `x cross y`.
     #[must_use]
     pub fn ellipse<V: Into<Triple<T>>>(&self, centre: V, half_axes: [V; 2], sides: Sides) -> T {
         let (centre, half_axes) = (centre.into(), half_axes.map(V::into));
-        // From its lit side an ellipse is seen against its normal.
+        // The origin is on the lit side if the ellipse's normal points towards the origin.
         if sides == Sides::One && !(dot(centre, cross(half_axes[0], half_axes[1])) < T::ZERO) {
             return T::ZERO;
         }
@@ -48,7 +48,7 @@ impl<T: Scalar> CosineSpace<T> {
         Cone::new(self.of(centre), half_axes.map(|axis| self.of(axis)))
     }
 
-    /// The part over a sphere; 1 from inside of it.
+    /// The part of the distribution over a sphere; 1 if the origin is inside of the sphere.
     #[must_use]
     pub fn sphere(&self, centre: impl Into<Triple<T>>, radius: T) -> T {
         let centre = centre.into();
@@ -74,8 +74,8 @@ impl<T: Scalar> CosineSpace<T> {
         (scaled(towards, (T::ONE - sine2).max(T::ZERO).sqrt()), half_axes)
     }
 
-    /// The part over a line, in the limit of a small width. The line faces the origin everywhere, and the result is
-    /// proportional to its width.
+    /// The part of the distribution over a line, in the limit of a small width. The line faces the origin everywhere,
+    /// and the result is proportional to its width.
     ///
     /// The strip around `p(s)` with the half width `h`, perpendicular to the line and the view, becomes the strip
     /// around `M^-1 p(s)` with the half width `M^-1 h`. Its integral is `2/pi` times `M^-1 h . (p x dp/ds)`, which is
@@ -90,8 +90,8 @@ impl<T: Scalar> CosineSpace<T> {
     #[must_use]
     pub fn line<V: Into<Triple<T>>>(&self, ends: [V; 2], width: T) -> T {
         let [a, b] = ends.map(V::into);
-        // For a line that points at the origin, normal and distance are rounding errors. They cancel if both are
-        // computed from the difference of the ends, and if both ends use the same values.
+        // For a line that points at the origin, normal and distance are rounding errors. These errors cancel if normal
+        // and distance are computed from the difference of the ends, and if both ends use the same values.
         let (middle, along) = (scaled(plus(a, b), T::of(0.5)), minus(b, a));
         let lit = cross(middle, along);
         let (mut p, mut q) = (self.of(a), self.of(b));
@@ -122,8 +122,8 @@ impl<T: Scalar> CosineSpace<T> {
         (width * factor * integral / T::TAU).max(T::ZERO).min(T::ONE)
     }
 
-    /// The part over a tube with round ends, which is all points up to `radius` from the line between `ends`. One from
-    /// inside of it.
+    /// The part of the distribution over a tube with round ends; 1 if the origin is inside of the tube. The tube
+    /// contains all points up to `radius` from the line between `ends`.
     ///
     /// The outline of this tube consists of arcs of two spheres and of edges in the two planes that touch both spheres.
     /// If the origin is within the radius of the extended line, the sphere at the nearer end hides the rest.
@@ -145,8 +145,8 @@ impl<T: Scalar> CosineSpace<T> {
         clip.finish().max(T::ZERO).min(T::ONE)
     }
 
-    /// The points where the two planes through the origin touch the spheres of a tube, right and left for each end. An
-    /// error is the centre of the sphere that hides the rest, or that contains the origin.
+    /// The points where the two planes through the origin touch the spheres of a tube, right and left for each end.
+    /// Returns an error with the centre of a sphere if this sphere hides the rest or contains the origin.
     pub(super) fn edges_of_tube(&self, ends: [Triple<T>; 2], radius: T) -> Result<[[Triple<T>; 2]; 2], Triple<T>> {
         let along = minus(ends[1], ends[0]);
         let length = dot(along, along).sqrt();

@@ -42,7 +42,7 @@ pub struct TableUse {
 /// Like [`by_table`], with options.
 ///
 /// # Errors
-/// As [`by_table`].
+/// The errors of [`by_table`].
 pub fn by_table_as<'a>(
     table: &Table,
     at: &Configuration,
@@ -71,11 +71,11 @@ pub fn by_table_as<'a>(
     Ok(ReflectedLight { energy, fresnel })
 }
 
-/// The light that a material reflects by Schlick's Fresnel factor, from one integral of the blend of an entry's two
+/// The light that a material with Schlick's Fresnel factor reflects, from one integral of the blend of an entry's two
 /// lobes.
 ///
 /// # Errors
-/// As [`by_table`], and [`LightError::OneLobe`] for a table with one lobe an entry.
+/// The errors of [`by_table`], and [`LightError::OneLobe`] for a table with one lobe per entry.
 pub fn by_blend<'a>(
     table: &Table,
     at: &Configuration,
@@ -95,7 +95,8 @@ pub fn by_blend<'a>(
 /// The light weighted by F82's edge weight, from the table's edge term: see [`ReflectedLight::metal`].
 ///
 /// # Errors
-/// As [`by_table`], and [`LightError::NoEdge`] for a table without the edge term. Tables of Gaussians never have it.
+/// The errors of [`by_table`], and [`LightError::NoEdge`] for a table without the edge term. Tables of Gaussians never
+/// have this term.
 pub fn edge_by_table<'a>(
     table: &Table,
     at: &Configuration,

@@ -21,7 +21,7 @@ pub(super) const ROUGH: AnglePerSine =
 pub(super) const CLOSE: AnglePerSine =
     AnglePerSine { over_root: [0.539_704_8, 0.100_045_8], plain: [-0.998_563_7, -0.274_478_2, -0.017_381_5] };
 
-/// Keeps the square root finite for an angle of pi.
+/// Keeps the quotient finite for an angle of pi.
 const STRAIGHT: f64 = 2e-7;
 
 impl AnglePerSine {
@@ -39,15 +39,15 @@ impl AnglePerSine {
 /// The multiple is the first number plus the second times the squared length of the control point.
 /// `cargo run -p ltcforge-studies -- arcs` finds both.
 pub const BULGE: [f64; 2] = [3.4, 0.6];
-/// The squared distance below which two ends are equal in all relevant digits. The point that halves the image between
+/// The squared distance below which two ends are equal in all relevant digits. The point that splits the image between
 /// them then has no effect.
 const NEAR2: f64 = 1e-8;
 
 /// The integral of `c x dc` along the image of the edge between two corners, by four arcs of great circles.
 ///
 /// The image is a conic with the control points `a`, `b` and `c`; its ends have unit length (`docs/normals.md`, "The
-/// integral of an edge"). The point n, equally far from both ends, halves it. Each half is approximated by two arcs.
-/// They meet in q, slightly outside of the half, such that they enclose the same area.
+/// integral of an edge"). The point n, equally far from both ends, splits it into halves. Two arcs approximate each
+/// half. They meet in q, slightly outside of the half, such that they enclose the same area as the half.
 pub(super) fn four_arcs<T: Scalar>(
     psi: &AnglePerSine,
     bulge: [f64; 2],
@@ -88,8 +88,8 @@ fn control_point<T: Scalar>(view: &View<T>, from: &Corner<T>, to: &Corner<T>) ->
 
 /// The integral of `c x dc` along the arcs of great circles from a to q and from q to n.
 ///
-/// It is `psi(a, q) a x q + psi(q, n) q x n`, written as the product of q with a sum of differences. This keeps the
-/// digits of short arcs.
+/// The integral is `psi(a, q) a x q + psi(q, n) q x n`, written as the product of q with a sum of differences. This
+/// keeps the digits of short arcs.
 fn two_arcs<T: Scalar>(psi: &AnglePerSine, a: Triple<T>, q: Triple<T>, n: Triple<T>) -> Triple<T> {
     cross(q, minus(scaled(minus(n, q), psi.between(q, n)), scaled(minus(a, q), psi.between(a, q))))
 }

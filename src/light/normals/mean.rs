@@ -15,13 +15,13 @@ pub const OUTPUTS: usize = 4;
 /// A region of the visible normals: all normals that reflect a light, or a triangle of them.
 #[derive(Debug, Clone, Copy)]
 pub struct Region<T> {
-    /// The part of the visible normals in the region; negative for a triangle that overlaps others.
+    /// The part of the visible normals in the region; negative for a triangle that overlaps other triangles.
     pub part: T,
-    /// The weight at its mean normal.
+    /// The weight at the mean normal of the region.
     pub at_mean: T,
-    /// Schlick's factor at its mean normal, `(1 - wo . h)^5`.
+    /// Schlick's factor at the mean normal of the region, `(1 - wo . h)^5`.
     pub schlick: T,
-    /// The weight at the mean rise of its corners.
+    /// The weight at the mean rise of the corners.
     pub at_corners: T,
     /// For a triangle, the weight at the light's mean normal, which is its tip. For the whole region, the weight at its
     /// own mean normal.

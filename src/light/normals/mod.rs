@@ -19,8 +19,8 @@
 //! integral has a closed form (`exact/`). The weight `G2 / G1` and Schlick's fifth power are smooth. Their mean comes
 //! from a few normals and is corrected by a small network (`mean.rs`). `docs/normals.md` has the derivation.
 //!
-//! Every direction above the surface has its half vector above the surface and in front of the viewer. So a light is
-//! only cut at the surface.
+//! For every direction above the surface, the half vector is above the surface and faces the viewer. So a light is only
+//! cut at the surface.
 
 mod arcs;
 mod exact;
@@ -28,7 +28,7 @@ mod mean;
 mod model;
 mod network;
 #[rustfmt::skip]
-#[allow(clippy::unreadable_literal, reason = "a program prints them, a row a line")]
+#[allow(clippy::unreadable_literal, reason = "a program prints them, one row per line")]
 mod numbers;
 mod outline;
 mod view;
@@ -56,11 +56,11 @@ use ltcforge_fit::{
 named_list! {
     /// The trade-off between cost and accuracy.
     pub enum NormalsRule {
-        /// Four arcs an edge. A network with twelve inputs and twelve units gives the mean weight of the whole light.
+        /// Four arcs per edge. A network with twelve inputs and twelve units gives the mean weight of the whole light.
         Balanced = "balanced",
-        /// Four arcs an edge with a rougher formula for angles. The network has eight inputs and three units.
+        /// Four arcs per edge, with a rougher formula for angles. The network has eight inputs and three units.
         Fast = "fast",
-        /// Four arcs an edge. A network with twelve inputs and eight units gives the mean weight of each triangle
+        /// Four arcs per edge. A network with twelve inputs and eight units gives the mean weight of each triangle
         /// between the mean normal and an edge.
         Fine = "fine",
         /// Like [`NormalsRule::Fine`], with the exact integrals of the edges. Shaders do not have this rule.
@@ -82,7 +82,7 @@ impl NormalsRule {
         }
     }
 
-    /// The number of a region's numbers that the network uses as inputs.
+    /// The number of a region's values that the network uses as inputs.
     #[must_use]
     pub fn inputs(self) -> usize {
         if self == Self::Fast { 8 } else { INPUTS }
@@ -133,8 +133,8 @@ impl<T: Scalar> Regions<T> {
 }
 
 impl Regions<f64> {
-    /// The reflected light weighted by F82's edge weight. In each region it is evaluated at the incidence whose Schlick
-    /// factor is the region's mean, so it needs no network of its own.
+    /// The reflected light weighted by F82's edge weight. In each region, the edge weight is evaluated at the angle of
+    /// incidence at which Schlick's factor is the mean of the region. So it needs no extra network.
     #[must_use]
     pub fn edge(&self, outputs: impl Fn(&Region<f64>) -> [f64; OUTPUTS]) -> f64 {
         let of_region = |region: &Region<f64>| region.part * edge_of_parts(region.mean(outputs(region)));
@@ -211,7 +211,8 @@ pub fn visible<T: Scalar>(alpha: [T; 2], wo: Triple<T>, vertices: &[Triple<T>]) 
     dot(exact::flux(&view, &outline.corners), view.stretched) * to_visible(&view)
 }
 
-/// Like [`visible`], from four arcs an edge that meet `bulge` outside of it. Rules `balanced` and `fine` use [`BULGE`].
+/// Like [`visible`], from four arcs per edge. `bulge` is how far outside of the image the arcs meet. Rules `balanced`
+/// and `fine` use [`BULGE`].
 #[must_use]
 pub fn visible_by_arcs<T: Scalar>(alpha: [T; 2], wo: Triple<T>, vertices: &[Triple<T>], bulge: [f64; 2]) -> T {
     let view = View::new(alpha, wo);

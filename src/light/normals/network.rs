@@ -5,15 +5,14 @@ use ltcforge_fit::math::Scalar;
 /// A network with one layer of rectified linear units: `outputs = O max(H inputs + h, 0) + o`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Network<'a> {
-    /// The rows of H, one for each unit. The last number of a row is its number of h.
+    /// The rows of H, one for each unit. The last number of a row is the unit's bias in h.
     pub units: &'a [&'a [f64]],
-    /// The rows of O, one for each output. The last number of a row is its number of o.
+    /// The rows of O, one for each output. The last number of a row is the output's bias in o.
     pub outputs: &'a [&'a [f64]],
 }
 
 impl Network<'_> {
-    /// Evaluates the network. Domain: the number of inputs is one less than the numbers of a unit's row, and OUTPUTS
-    /// rows of outputs.
+    /// Evaluates the network. Domain: each row of H has one more number than there are inputs, and O has OUTPUTS rows.
     #[must_use]
     pub fn at<T: Scalar, const OUTPUTS: usize>(&self, inputs: &[T]) -> [T; OUTPUTS] {
         let sum = |row: &[f64], of: &[T]| {

@@ -1,4 +1,5 @@
-//! The numbers of the networks. `cargo run --release -p ltcforge-studies -- networks RULE` finds numbers like these.
+//! The coefficients of the networks. `cargo run --release -p ltcforge-studies -- networks RULE` finds similar
+//! coefficients.
 
 use super::network::Network;
 

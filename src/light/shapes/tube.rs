@@ -72,8 +72,8 @@ fn nearest_point(ends: [DVec3; 2], radius: f64, shape: TubeEnds) -> Option<DVec3
 /// origin parallel to `axis` touch it, if there are any.
 fn rim(centre: DVec3, axis: DVec3, radius: f64) -> Vec<DVec3> {
     let (x, y) = axis.any_orthonormal_pair();
-    // The origin relative to the axis, in the plane of the circle. Its tangents touch at the angle acos(radius /
-    // distance).
+    // The origin relative to the axis, in the plane of the circle. Tangents from the origin touch at the angle
+    // acos(radius / distance).
     let beside = DVec2::new(-centre.dot(x), -centre.dot(y));
     circle(centre, [x, y], radius, beside)
 }

@@ -37,7 +37,7 @@ const BENT: [([f64; 4], [[f64; 3]; 4]); 5] = [
 ];
 
 /// If triangles cancel, or if a triangle crosses its own sides, their plain sum has an error of up to 0.08 on these
-/// lights. On the first it is 0.014 instead of 0.064, which shows as a black patch.
+/// lights. On the first light the sum is 0.014 instead of 0.064, which shows as a black patch.
 #[test]
 fn bent_images_are_no_darker_and_no_brighter() {
     for ([alpha_x, alpha_y, theta, phi], vertices) in BENT {
@@ -46,8 +46,8 @@ fn bent_images_are_no_darker_and_no_brighter() {
         let wanted = truth(&at, &light).expect("a surface").energy;
         for (rule, limit) in [(NormalsRule::Balanced, 0.035), (NormalsRule::Fine, 0.03)] {
             let found = by_normals(&at, &light, rule).expect("a surface").energy;
-            assert!((found - wanted).abs() < limit, "{rule}: {found} in place of {wanted}, {at:?}");
-            assert!(found > 0.5 * wanted, "{rule}: {found} in place of {wanted}, {at:?}");
+            assert!((found - wanted).abs() < limit, "{rule}: {found} instead of {wanted}, {at:?}");
+            assert!(found > 0.5 * wanted, "{rule}: {found} instead of {wanted}, {at:?}");
         }
     }
 }

@@ -35,7 +35,7 @@ fn is_broad(lit: &Lit) -> bool {
     lit.at.alpha_x.min(lit.at.alpha_y) > 0.15
 }
 
-/// The largest difference from the finer of two sums, minus the sum's difference from the coarser sum.
+/// The largest difference from the finer of two sums, minus the difference between both sums.
 fn beyond(found: ReflectedLight, [coarse, fine]: [[f64; 2]; 2]) -> f64 {
     let off = |found: f64, i: usize| (found - fine[i]).abs() - (fine[i] - coarse[i]).abs();
     off(found.energy, 0).max(off(found.fresnel, 1))
@@ -52,7 +52,7 @@ fn it_is_the_sum_over_a_polygon() {
             beyond(to(1e-9, &brdf, lit), [70, 210].map(|n| over_area_of(&*surface, lit, n)))
         };
         let worst = lit.par_iter().map(off).reduce(|| f64::NEG_INFINITY, f64::max);
-        println!("{brdf}: beyond what the sum still changes {worst:.1e}");
+        println!("{brdf}: error beyond the change of the sum {worst:.1e}");
         assert!(worst < 2e-6, "{brdf}: {worst}");
     }
 }
@@ -76,12 +76,12 @@ fn it_is_the_sum_over_other_shapes() {
         };
         let found: Vec<f64> = lights.par_iter().filter_map(off).collect();
         let worst = found.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        println!("{brdf}: {} lights, beyond what the sum still changes {worst:.1e}", found.len());
+        println!("{brdf}: {} lights, error beyond the change of the sum {worst:.1e}", found.len());
         assert!(found.len() > 15 && worst < 1e-5, "{brdf}: {worst} of {}", found.len());
     }
 }
 
-/// Compares with the weighted samples of the model's sampler that hit the light, for lobes of any sharpness and views
+/// Compares with weighted samples that hit the light, from the model's sampler, for lobes of any sharpness and views up
 /// to 89.9 degrees.
 #[test]
 fn it_is_the_mean_of_sampled_rays() {

@@ -36,8 +36,8 @@ fn v(lit: &Lit) -> f64 {
     visible(lit.alpha(), lit.wo().to_array(), &vertices)
 }
 
-/// Mirrors whose reflection is inside of a light reflect all of it, however far their images are stretched. A
-/// quadrature with a low tolerance misses these lights.
+/// A mirror whose reflected ray hits a light reflects all of it, even if the image of the light is stretched very far.
+/// A quadrature with a loose tolerance misses these lights.
 #[test]
 #[allow(clippy::unreadable_literal, reason = "as they were found")]
 fn a_mirror_within_a_light_reflects_all_of_it() {

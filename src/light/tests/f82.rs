@@ -1,4 +1,4 @@
-//! Compares metals by F82 with the truth: the light weighted by the edge, of models and tables.
+//! Compares the F82 light of metals with the truth, for models and tables.
 
 use std::ops::ControlFlow;
 
@@ -14,7 +14,7 @@ use ltcforge_fit::{
     fit_plan,
 };
 
-/// Surfaces of each row.
+/// The number of surfaces in each row.
 const COUNT: usize = 600;
 
 /// A model with the light of another model, weighted by F82's edge.
@@ -34,7 +34,7 @@ impl Brdf for Edge {
     }
 }
 
-/// Midpoint sums over the light's area. They share no code with the truth.
+/// Compares with midpoint sums over the light's area, which share no code with the truth.
 #[test]
 fn its_truth_is_the_sum_over_a_light() {
     for brdf in [BrdfKind::Ggx, BrdfKind::Beckmann].map(BrdfModel::from) {

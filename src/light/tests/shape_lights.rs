@@ -88,7 +88,8 @@ fn tubes_have_the_solid_angles_of_spheres_and_cylinders() {
     assert!(solid_angle(round.vertices()) > solid_angle(flat.vertices()));
 }
 
-/// Rays hit a tube if and only if they hit its polygon. The test uses the distance between a ray and the tube's line.
+/// Rays hit a tube if and only if they hit its polygon. The test uses the distance between a ray and the axis of the
+/// tube.
 #[test]
 fn a_tubes_outline_is_what_rays_meet() {
     let mut draw = Draw::new(72);
@@ -116,8 +117,8 @@ fn a_tubes_outline_is_what_rays_meet() {
             let towards = ends[0].lerp(ends[1], draw.within(-0.3, 1.3)) + draw.vector() * radius;
             let ray = towards.normalize();
             let is_in_outline = planes.iter().all(|plane| plane.dot(ray) > 0.0);
-            // Rays that hit the tube of 0.98 times its size hit the polygon. Rays that hit the polygon hit the tube of
-            // 1.0001 times its size.
+            // Rays that hit a tube with 0.98 times the radius hit the polygon. Rays that hit the polygon hit a tube
+            // with 1.0001 times the radius.
             let (surely, at_most) = (meets(ray, ends, 0.98, radius, shape), meets(ray, ends, 1.0001, radius, shape));
             assert!(is_in_outline || !surely, "{shape:?} {ends:?} {radius} {ray}");
             assert!(!is_in_outline || at_most, "{shape:?} {ends:?} {radius} {ray}");
@@ -128,7 +129,7 @@ fn a_tubes_outline_is_what_rays_meet() {
     assert!(met > 5000 && missed > 5000, "{met} met, {missed} missed");
 }
 
-/// True if a ray hits a tube with `scale` times its radius, and lengthened by the same distance.
+/// True if a ray hits the tube with `scale` times its radius. Flat ends move outwards by the same distance as the side.
 fn meets(ray: DVec3, ends: [DVec3; 2], scale: f64, radius: f64, shape: TubeEnds) -> bool {
     let axis = (ends[1] - ends[0]).normalize();
     let longer = (scale - 1.0) * radius * if shape == TubeEnds::Flat { 1.0 } else { 0.0 };
@@ -143,8 +144,8 @@ fn meets(ray: DVec3, ends: [DVec3; 2], scale: f64, radius: f64, shape: TubeEnds)
             TubeEnds::Flat => (0.0..=length).contains(&along) && radial <= scale * radius,
         }
     };
-    // Both are convex, so the part of the ray inside is an interval. Fine steps and the point nearest to the line find
-    // it.
+    // Tubes of both shapes are convex, so the part of the ray inside is an interval. Fine steps and the point nearest
+    // to the line find it.
     let across = ray - axis * ray.dot(axis);
     let base = from - axis * from.dot(axis);
     let nearest = across.dot(base) / across.length_squared().max(1e-12);

@@ -36,7 +36,7 @@ impl Case {
     }
 
     /// The reflected light, energy and Schlick's part, by the midpoint rule over the surface of the light with `n` by
-    /// `n` cells a part. Evaluates the BRDF directly.
+    /// `n` cells per part. Evaluates the BRDF directly.
     pub(super) fn by_sum(&self, brdf: &dyn Brdf, wo: DVec3, n: u32) -> [f64; 2] {
         let mut sum = [0.0; 2];
         // Adds a piece of the surface with a solid angle.
@@ -142,7 +142,7 @@ fn the_truth_is_the_sum_over_a_lights_surface() {
         .collect();
     assert!(errors.len() > 200, "{}", errors.len());
     let (case, worst) = errors.iter().max_by(|a, b| a.1.total_cmp(&b.1)).expect("cases");
-    println!("beyond what the sum still changes: {worst:.1e}, {case:?}");
+    println!("error beyond the change of the sum: {worst:.1e}, {case:?}");
     assert!(*worst < 1e-5, "{case:?}: {worst}");
 }
 
@@ -189,7 +189,7 @@ fn the_truth_of_a_shape_is_near_that_of_its_outline() {
     assert!(errors.len() > 150 && mean < 5e-4, "{mean}");
 }
 
-/// A table whose lobe is an LTC. Its light contains only its own integral.
+/// A table with a single entry of this matrix and lobe model.
 fn table(matrix: [f64; 9], lobe: LobeModel) -> Table {
     Table {
         brdf: BrdfKind::Ggx.into(),
@@ -252,7 +252,7 @@ fn shapes_at_the_ends_of_the_range() {
     let [lit, dark] = [[y, x], [x, y]].map(|half| energy(ShapedLight::ellipse(centre, half, Sides::One)));
     let both = energy(ShapedLight::ellipse(centre, [x, y], Sides::Two));
     assert!((lit - both).abs() < 1e-9 && dark == 0.0 && lit > 0.01, "{lit} {dark} {both}");
-    // A tube of zero length is a sphere. A tube behind its nearer end is hidden by this end.
+    // A tube of zero length is a sphere. If the rest of a tube is behind its nearer end, this end hides the rest.
     let sphere = energy(ShapedLight::sphere(centre, 0.3));
     for beyond in [centre, 1.5 * centre] {
         let tube = energy(ShapedLight::tube([centre, beyond], 0.3));

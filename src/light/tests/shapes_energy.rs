@@ -38,7 +38,7 @@ const KINDS: [(&str, Kind); 6] = [
     }),
 ];
 
-/// The limits are half above the measured errors. The truth has the same outline. Another test measures the error of
+/// The limits are 50 % above the measured errors. The truth has the same outline. Another test measures the error of
 /// outlines.
 #[test]
 fn every_shape_reflects_what_the_truth_does() {

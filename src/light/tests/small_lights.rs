@@ -20,7 +20,7 @@ fn in_both(lit: &Lit, rule: Rule) -> [f64; 2] {
     [f64::from(single), double]
 }
 
-/// A light of a thousandth of a radian is a few millionths of all reflected light, so only relative errors are
+/// A light of a thousandth of a radian gives a few millionths of all reflected light, so only relative errors are
 /// meaningful.
 #[test]
 fn small_lights_have_digits_in_f32() {

@@ -29,7 +29,7 @@ fn strip(draw: &mut Draw) -> Lit {
     Lit { at: wall.at, vertices: vec![middle - x, middle + x, middle + x + top, middle - x + top] }
 }
 
-/// Strips of light on a floor. Triangles around the mean normal showed no light of them.
+/// Strips of light on a floor. Triangles around the mean normal alone left them dark.
 #[test]
 fn strips_on_a_floor_are_lit() {
     let strips = [(0.3, 1.5, 0.1, 0.0145), (0.3, 1.55, 0.1, 0.0172), (0.5, 1.2, 0.2, 0.0059)];

@@ -22,8 +22,8 @@ pub(super) struct Bump<T> {
 const LEAST_BOTTOM: f64 = 0.1;
 
 impl<T: Scalar> Bump<T> {
-    /// The bump whose inverse root is a quadratic function. Its gradient and second derivatives are given at `p`, both
-    /// divided by the value there. Eigenvalues below `least` are raised to it.
+    /// The bump whose inverse square root is a quadratic function. Its gradient and second derivatives are given at
+    /// `p`, both divided by the value there. Eigenvalues below `least` are raised to it.
     ///
     /// Let w be the eigenvalues and g the components of the gradient along their eigenvectors. The minimum is at
     /// `-g / w` and has the value `1 - sum g^2 / 2 w`. From there the function grows by `w d^2 / 2`.
@@ -51,7 +51,7 @@ pub(super) fn eigen<T: Scalar>([xx, xy, yy]: Symmetric<T>) -> ([T; 2], [T; 2]) {
     let half = T::of(0.5);
     let (mean, apart) = (half * (xx + yy), half * (xx - yy));
     let distance = (apart * apart + xy * xy).sqrt();
-    // Uses the row of the matrix minus the eigenvalue in which nothing cancels.
+    // Of the two rows of the matrix minus the eigenvalue, this uses the row whose elements do not cancel.
     let v = if apart > T::ZERO { [-xy, apart + distance] } else { [distance - apart, -xy] };
     let length = dot2(v, v).sqrt();
     let long = if length > T::SHORTEST { v.map(|x| x / length) } else { [T::ONE, T::ZERO] };

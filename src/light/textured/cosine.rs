@@ -13,7 +13,7 @@ use super::{
 use crate::CosineSpace;
 use ltcforge_fit::math::{Scalar, dot};
 
-/// The smallest cosine of a point on or below the horizon. It keeps the sum of weights positive.
+/// The cosine assumed for points on or below the horizon. It keeps the sum of weights positive.
 const LEAST_COSINE: f64 = 1e-6;
 /// The smallest eigenvalue relative to the larger one. It limits the longer axis to a length that f32 resolves.
 const LEAST_RATIO: f64 = 1e-7;
@@ -56,7 +56,7 @@ impl<T: Scalar> Lobe<T> for CosineLobe<'_, T> {
         p[2].max(T::ZERO) + T::of(LEAST_COSINE) * dot(p, p).sqrt().max(T::SHORTEST)
     }
 
-    /// The light ends at the distribution's own horizon.
+    /// The height above the distribution's own horizon, which bounds the light.
     fn height(&self, p: [T; 2]) -> T {
         self.space.of(self.rectangle.at(p))[2]
     }

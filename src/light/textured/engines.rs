@@ -1,12 +1,12 @@
-//! The method with which engines read a picture on a light.
+//! The method that engines use to read a picture on a light.
 
 use super::readings::Reading;
 use crate::CosineSpace;
 use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, scaled};
 
-/// The single reading of engines [Heitz et al. 2016]. It is at the point where the direction of the vector form factor
-/// meets the light in cosine space. Its blur is `width` times the distance of the light's plane, divided by the root of
-/// the light's area there.
+/// The single reading of engines [Heitz et al. 2016]. It reads the point where the direction of the vector form factor
+/// meets the light in cosine space. Its blur is `width` times the distance of the light's plane, divided by the square
+/// root of the light's area in cosine space.
 ///
 /// Domain: the corners of a rectangle relative to the shaded point. The third corner is not used.
 #[must_use]

@@ -1,8 +1,9 @@
-//! The filters of the prefilter along one axis: from a level to the next, within a level, and back.
+//! The filters of the prefilter along one axis: from a level to the next coarser level, within a level, and back to the
+//! finer level.
 //!
 //! A level has half as many texels as the previous level, rounded down, and at least one. If a size is odd, a texel of
-//! the next level is as long as two texels and a fraction, or three. Filters are centred on this texel and as wide as
-//! it. So the image does not shift, and every texel counts.
+//! the next level is as long as two texels and a fraction, or three. Filters are centred on this texel and have its
+//! width. So the image does not shift, and every texel counts.
 
 /// The weights with which texels of one row make a texel of another row. `first` is the first texel; the weights add up
 /// to one.
@@ -24,7 +25,7 @@ impl Taps {
 /// A filter along an axis, with taps for each resulting texel.
 pub(super) type Filter = Vec<Taps>;
 
-/// The number of texels of level `level` of `size` texels.
+/// The number of texels at level `level` of an image with `size` texels.
 pub(super) fn size_of(size: usize, level: usize) -> usize {
     (size >> level).max(1)
 }
@@ -54,7 +55,8 @@ pub(super) fn widened(size: usize, beside: f64) -> Filter {
     (0..size).map(|i| Taps::new(i.saturating_sub(1), (i + 2).min(size), weight(i))).collect()
 }
 
-/// Converts `from` texels to `to`, more or fewer. Each is the mean of the texels in it, weighted by overlap.
+/// Converts `from` texels to more or fewer texels, `to`. Each new texel is the mean of the old texels that overlap it,
+/// weighted by the overlap.
 pub(super) fn averaged(from: usize, to: usize) -> Filter {
     let edge = |i: usize| i as f64 * from as f64 / to as f64;
     let taps = |i: usize| {
@@ -77,8 +79,8 @@ pub(super) fn enlarged(from: usize, to: usize) -> Filter {
     (0..to).map(taps).collect()
 }
 
-/// The parameter of [`widened`] for level `level` of `size` texels. If all sizes are even, halving makes a kernel of
-/// variance `(4^level - 1) / 4` square texels of the image. A parameter of a quarter raises it to
+/// The parameter of [`widened`] for level `level` of an image with `size` texels. If all sizes are even, halving makes
+/// a kernel of variance `(4^level - 1) / 4` square texels of the image. A parameter of a quarter raises it to
 /// `(3 4^level - 1) / 4`. If sizes are odd, texels are longer and halving spreads more, so the parameter is smaller. A
 /// tent of half width s over texels of length t has the variance `s^2 / 6 + t^2 / 12`, which is exact for 2 t = s.
 pub(super) fn beside(size: usize, level: usize) -> f64 {

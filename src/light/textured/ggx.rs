@@ -27,9 +27,9 @@ use super::{
 use crate::normals::View;
 use ltcforge_fit::math::{Scalar, Triple, dot, plus, scaled};
 
-/// The smallest value of `1 + wo . w`, for a light straight behind the viewer.
+/// The smallest value of `1 + wo . w`, for a light exactly opposite to the viewer.
 const LEAST_FACING: f64 = 1e-6;
-/// The smallest weight of a fully shadowed point. It keeps the sum of weights positive.
+/// The weight of a fully shadowed point. It keeps the sum of weights positive.
 const LEAST_SHADOW: f64 = 1e-6;
 /// The smallest second derivative of q, divided by q, times the rectangle's area. Flatter lobes see a single colour.
 const LEAST_SECOND: f64 = 0.1;
@@ -106,7 +106,7 @@ impl<T: Scalar> Lobe<T> for GgxLobe<'_, T> {
         fall * fall * self.density(p)
     }
 
-    /// The light ends at the surface.
+    /// The height above the surface, which bounds the light.
     fn height(&self, p: [T; 2]) -> T {
         self.rectangle.at(p)[2]
     }

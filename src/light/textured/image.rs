@@ -43,7 +43,7 @@ pub enum ImageError {
 }
 
 impl LightImage {
-    /// Creates an image of these texels.
+    /// Creates an image from texels.
     ///
     /// # Errors
     /// [`ImageError::Count`] for an image without texels, or with a number of texels that does not match its size.
@@ -62,7 +62,7 @@ impl LightImage {
         Ok(Self { width, texels })
     }
 
-    /// Creates an image of valid texels. Domain: whole rows of this width, at least one.
+    /// Creates an image from valid texels. Domain: whole rows of this width, at least one.
     pub(super) fn of_texels(width: usize, texels: Vec<[f32; 3]>) -> Self {
         Self { width, texels }
     }

@@ -1,4 +1,4 @@
-//! Compares the kernel of a picture with differences, with the truth and with limits.
+//! Compares the readings of a picture with finite differences, with the truth and with limits.
 
 use glam::{DMat3, DQuat, DVec3};
 use rayon::prelude::*;

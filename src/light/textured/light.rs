@@ -115,7 +115,8 @@ impl TexturedLight {
         Ok(TexturedReflection { energy, fresnel })
     }
 
-    /// The light that a table's surface reflects. If entries have two lobes, the second lobe reads Fresnel's part.
+    /// The light that a table's surface reflects. If entries have two lobes, the readings for the Fresnel term belong
+    /// to the second lobe.
     ///
     /// # Errors
     /// The errors of [`crate::by_table`], and [`LightError::NoLtc`] for a table of Gaussians.
@@ -162,7 +163,7 @@ impl TexturedLight {
     /// Schlick's fifth power.
     ///
     /// # Errors
-    /// As [`Self::truth`].
+    /// The errors of [`Self::truth`].
     pub fn texel_lights(
         &self,
         at: &Configuration,

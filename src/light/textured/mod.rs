@@ -1,8 +1,8 @@
 //! Rectangular lights with a picture: the image, its prefilter, and the readings for a lobe.
 //!
 //! On the plane of a light a lobe is close to a bump `(1 + Q)^-2` with Q quadratic (`bump.rs`). The bump has the centre
-//! and axes of the lobe's inverse root, exactly for an LTC (`cosine.rs`), and from an expansion for GGX (`ggx.rs`). A
-//! few readings of the prefiltered picture along the longer axis replace the integral (`readings.rs`).
+//! and axes of the lobe's inverse square root, exactly for an LTC (`cosine.rs`), and from an expansion for GGX
+//! (`ggx.rs`). A few readings of the prefiltered picture along the longer axis replace the integral (`readings.rs`).
 //! `docs/textured.md` has the derivation.
 
 mod bump;

@@ -15,7 +15,7 @@ const OF_AREA: f64 = 1.0 / 12.0;
 /// The smallest distance from the light's plane, relative to the sum of the sides' lengths.
 const LEAST_HEIGHT: f64 = 1e-6;
 
-/// The window of a light's readings in the profile of its lamp.
+/// The part of a lamp's profile that the readings of a light use.
 #[derive(Debug, Clone, Copy)]
 pub struct ProfileWindow {
     foot: [f64; 2],
@@ -24,7 +24,7 @@ pub struct ProfileWindow {
 }
 
 impl ProfileWindow {
-    /// The window of a light as seen from the shaded point.
+    /// The window of the profile for a light and a shaded point.
     #[must_use]
     pub fn new(light: &TexturedLight) -> Self {
         let corners = light.polygon().vertices();

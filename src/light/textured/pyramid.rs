@@ -8,9 +8,10 @@ use super::{
 use ltcforge_fit::math::ln;
 use std::borrow::Cow;
 
-/// The part of a level that is its own blur. The first number is for the level below the last, then downwards; further
-/// levels use the third. The rest comes from the level above, which gives the kernel its long tail. Near the last level
-/// the light ends before the tail does. `ltcforge-studies prefilter` finds the numbers.
+/// The part of a level that comes from its own blur. The first number is for the level before the last, the second for
+/// the level before that, and the third for all finer levels. The rest comes from the next coarser level, which gives
+/// the kernel its long tail. Near the last level, the light ends before the tail does, so the parts are larger.
+/// `ltcforge-studies prefilter` finds the numbers.
 pub const OWN_PARTS: [f64; 3] = [0.85, 0.75, 0.65];
 
 /// The width sigma of level 0, in texels.
@@ -18,21 +19,21 @@ const SIGMA_OF_BASE: f64 = 2.0;
 
 /// A prefiltered image. Level l approximates
 ///
-/// `T(p) = sum K(p - q) image(q) / sum K(p - q)`, `K(d) = (1 + |d|^2 / sigma^2)^-2.5`, `sigma = 2^(l + 1)` texels,
+/// `T(p) = sum K(p - q) image(q) / sum K(p - q)`, `K(d) = (1 + |d|^2 / sigma^2)^-2.5`, `sigma = 2^(l + 1)` texels.
 ///
-/// The sums are over the image only, so there is no border, and a light of one colour keeps it. Texels are square on
-/// the light. Level l has `max(1, size >> l)` texels a side. The last level is a single texel, the mean of the image.
-/// Everything is linear in the texels.
+/// The sums are over the image only, so there is no border, and a light of one colour keeps its colour. Texels are
+/// square on the light. Level l has `max(1, size >> l)` texels per side. The last level is a single texel, the mean of
+/// the image. Everything is linear in the texels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightPyramid {
     levels: Vec<LightImage>,
 }
 
 impl LightPyramid {
-    /// Prefilters an image. From the image on, each level is halved with a tent, `[1 3 3 1] / 8`, and widened with
-    /// `[1 2 1] / 4`. From the last level down, each level is a blend: a part of its own result, mostly 0.65, and the
-    /// rest from the level above. Weights outside of the image are left out, and the others divided by their sum. Sums
-    /// are in f64, levels are rounded to f32.
+    /// Prefilters an image. From the finest to the coarsest level, each level is halved with a tent, `[1 3 3 1] / 8`,
+    /// and widened with `[1 2 1] / 4`. Then, from the coarsest to the finest level, each level becomes a blend: a part
+    /// of its own result, mostly 0.65, and the rest from the next coarser level. Weights outside of the image are left
+    /// out, and the other weights are divided by their sum. Sums are in f64, levels are rounded to f32.
     ///
     /// Runs on the current rayon pool. Its size does not change the result.
     #[must_use]
@@ -40,7 +41,7 @@ impl LightPyramid {
         Self::with_own_parts(image, OWN_PARTS)
     }
 
-    /// Like [`Self::new`], with other parts than [`OWN_PARTS`].
+    /// Like [`Self::new`], with `parts` instead of [`OWN_PARTS`].
     #[must_use]
     pub fn with_own_parts(image: &LightImage, parts: [f64; 3]) -> Self {
         let (width, height) = (image.width(), image.height());

@@ -40,8 +40,8 @@ impl Readings {
         }
     }
 
-    /// The factor of a bump's radius, and the part of the gap between two readings that is added to it. They are about
-    /// the best of a grid over the lights of docs/textured.md. A change by a tenth has little effect.
+    /// The factor of a bump's radius, and the part of the gap between two readings that is added to the radius. A grid
+    /// search over the lights of docs/textured.md found values close to these. A change by a tenth has little effect.
     fn widths(self) -> [f64; 2] {
         [if self == Self::One { 1.25 } else { 0.95 }, 0.35]
     }
@@ -51,7 +51,7 @@ impl Readings {
 pub(super) trait Lobe<T> {
     /// The density of the lobe at a point, divided by the lobe's bump there, up to a factor.
     fn weight(&self, bump: &Bump<T>, p: [T; 2]) -> T;
-    /// The height of a point above the end of the lobe, up to a factor; a linear function.
+    /// The height of a point above the plane that bounds the lobe, up to a factor; a linear function.
     fn height(&self, p: [T; 2]) -> T;
 }
 
@@ -60,7 +60,7 @@ pub(super) trait Lobe<T> {
 pub struct Reading<T> {
     /// The point, in parts of the picture's width and height.
     pub uv: [T; 2],
-    /// The radius of the kernel, divided by the root of the light's area.
+    /// The radius of the kernel, divided by the square root of the light's area.
     pub radius: T,
     /// The weight of the reading.
     pub weight: T,
@@ -80,7 +80,7 @@ pub fn colour(readings: &[Reading<f64>], pyramid: &LightPyramid) -> [f64; 3] {
     if weights > 0.0 { sum.map(|sum| sum / weights) } else { sum }
 }
 
-/// The distance along an axis, in units, that counts as infinite.
+/// The absolute value of t that counts as infinite.
 const FAR: f64 = 1e4;
 /// The smallest difference of the radii, relative to the longer radius. A round bump has no axis.
 const ROUND: f64 = 1e-6;
@@ -101,7 +101,7 @@ pub(super) fn readings<T: Scalar>(
     let [of_radius, of_gap] = number.widths().map(T::of);
     let reading = |k: usize| {
         let s = s0 + part * T::of(k as f64 + 0.5);
-        // Far out, s has few digits. If both ends are equal, t is clamped to them.
+        // For large t, s has few digits. If both ends are equal, t is clamped to them.
         let t = (s / (T::ONE - s * s).max(T::of(1e-12)).sqrt()).max(t0).min(t1);
         let stretch2 = T::ONE + t * t;
         let gap = of_gap * unit * (part * stretch2 * stretch2.sqrt()).min(t1 - t0);
@@ -118,8 +118,8 @@ pub(super) fn readings<T: Scalar>(
     (0..number.count()).map(reading).collect()
 }
 
-/// The interval of t in which `middle + t along` is within the rectangle and above the end of the lobe. If it is empty,
-/// both ends are the midpoint between the two bounds.
+/// The interval of t in which `middle + t along` is within the rectangle and above the plane that bounds the lobe. If
+/// it is empty, both ends are the midpoint between the two bounds.
 fn within<T: Scalar>(lobe: &impl Lobe<T>, rectangle: &Rectangle<T>, middle: [T; 2], along: [T; 2]) -> [T; 2] {
     let far = T::of(FAR);
     let height = lobe.height(middle);

@@ -6,7 +6,7 @@ use super::{
 };
 use rayon::prelude::*;
 
-/// Makes an image of a given size. `add` adds each row to zeros.
+/// Makes an image of a given size. `add` receives each row as zeros and adds the texels.
 pub(super) fn made(width: usize, height: usize, add: impl Fn(usize, &mut [[f64; 3]]) + Sync) -> LightImage {
     let mut texels = vec![[0_f32; 3]; width * height];
     texels.par_chunks_mut(width).enumerate().for_each_init(

@@ -6,14 +6,14 @@ use super::{
     rows::{Row, made},
 };
 
-/// The largest number of texels along a side, and in total, of a converted image. The first is the smallest texture
-/// limit of WebGPU, the second gives 128 MiB of half floats.
+/// The largest number of texels along a side, and in total, of a converted image. The first is the texture size that
+/// every WebGPU device supports. The second gives 128 MiB of half floats.
 pub const MOST_SQUARE_TEXELS: [usize; 2] = [8192, 1 << 24];
 
 impl LightImage {
     /// The number of texels along both sides with which the image is square on a light of this width and height, in any
-    /// unit. One side keeps its number, and the other gets at least its number. Both are reduced if this exceeds 8192 a
-    /// side or 2^24 in total. Domain: positive lengths.
+    /// unit. One side keeps its number of texels, and the other gets at least as many as before. Both are reduced if
+    /// this exceeds 8192 per side or 2^24 in total. Domain: positive lengths.
     #[must_use]
     pub fn square_size(&self, light: [f64; 2]) -> [usize; 2] {
         let size = [self.width() as f64, self.height() as f64];
@@ -25,9 +25,9 @@ impl LightImage {
         light.map(|length| ((length / texel).round() as usize).max(1))
     }
 
-    /// Converts the image to another number of texels. Each texel is the mean of the part of the image in it. This
-    /// preserves the mean, and a uniform colour. Domain: a positive width and height. Runs on the current rayon pool.
-    /// Its size does not change the result.
+    /// Converts the image to another number of texels. Each texel is the mean of the part of the image that it covers.
+    /// This preserves the mean and uniform colours. Domain: a positive width and height. Runs on the current rayon
+    /// pool. Its size does not change the result.
     #[must_use]
     pub fn resampled(&self, [width, height]: [usize; 2]) -> Self {
         let (columns, rows) = (averaged(self.width(), width), averaged(self.height(), height));

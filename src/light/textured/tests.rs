@@ -188,7 +188,7 @@ fn invalid_images_are_reported() {
     texels[4] = [1.0, f32::NAN, -1.0];
     texels[5][0] = f32::INFINITY;
     assert_eq!(
-        LightImage::new(3, 2, texels).expect_err("numbers that are no light").to_string(),
+        LightImage::new(3, 2, texels).expect_err("invalid numbers").to_string(),
         "the texel at x 1, y 1 has green NaN; 3 of the image's numbers are negative or not finite"
     );
 }

@@ -3,7 +3,8 @@
 use super::interface::Interface;
 use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit};
 
-/// The smallest squared sum of two radii, in radii. Below it the midpoint comes from the perpendicular direction.
+/// The smallest squared sum of an arc's two radii, relative to the squared radius. For a smaller sum, the midpoint
+/// comes from the perpendicular direction.
 const OPPOSITE2: f64 = 1e-3;
 /// The smallest cosine of half an arc's angle for which its standard form is used.
 const HALF_COSINE: f64 = 0.02;
@@ -22,7 +23,7 @@ pub(super) enum ArcKind {
     Edge,
     /// The edge along the surface of a light that is cut there, which is a great arc.
     Surface,
-    /// `h.z = 0`: normals along the surface.
+    /// `h.z = 0`: normals parallel to the surface.
     Horizon,
     /// `wo . h = 0`, for `eta > 1`: normals perpendicular to the view.
     Grazing,
@@ -131,8 +132,8 @@ impl<T: Scalar> Arc<T> {
         unit(plus(self.circle.middle(), scaled(sum, T::ONE / weight)))
     }
 
-    /// Appends the arc in `parts` pieces, a power of two. The pieces are even in the parameter of the image's standard
-    /// form.
+    /// Appends the arc in `parts` pieces, a power of two. Each split halves the parameter interval of the piece's image
+    /// in standard form.
     pub(super) fn split(&self, interface: &Interface<T>, parts: u32, into: &mut Vec<Self>) {
         if parts < 2 {
             into.push(*self);

@@ -1,5 +1,5 @@
-//! Random interfaces and lights, the same in every run, and a quadrature over the area of a light. The quadrature never
-//! integrates over half vectors.
+//! Random interfaces and lights, which are the same in every run, and a quadrature over the area of a light. The
+//! quadrature never integrates over half vectors.
 
 use std::f64::consts::{PI, TAU};
 
@@ -39,17 +39,17 @@ pub enum Set {
     Sharp,
     /// Cut at the surface.
     Cut,
-    /// Clipped by the cone of normals perpendicular to the view or the light.
+    /// Clipped where normals become perpendicular to the view or the light.
     Facing,
-    /// Clipped by the cone of normals along the surface.
+    /// Clipped where normals become parallel to the surface.
     Horizon,
     /// A light in any direction below.
     Anywhere,
-    /// A hundred times larger than its distance.
+    /// A light a hundred times larger than its distance.
     Huge,
 }
 
-/// The model in f64 and f32, in the form of the truth: the visible part first.
+/// The closed form in f64 and f32, with the numbers of [`Truth`]: the visible part first.
 impl Case {
     pub(super) fn model(&self) -> Truth {
         let of = |x| x;
@@ -92,7 +92,7 @@ impl Draw {
         low + (high - low) * ((self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64)
     }
 
-    /// A number with a uniform logarithm.
+    /// A number whose logarithm is uniform.
     pub(super) fn scale(&mut self, low: f64, high: f64) -> f64 {
         low * (high / low).powf(self.within(0.0, 1.0))
     }
@@ -186,11 +186,11 @@ const GAUSS: [f64; 4] =
 /// Cells along each side of a light before the rule adapts. They ensure that narrow lobes are found.
 const CELLS: u32 = 5;
 
-/// The transmitted light: the visible part without shadowing of the light; the energy; the energy weighted by `1 - F`;
+/// The transmitted light: the visible part, without shadowing of the light; the energy; the energy weighted by `1 - F`;
 /// the energy weighted by Schlick's approximation.
 pub(super) type Truth = [f64; 4];
 
-/// The light of a parallelogram, to about ten times the tolerance.
+/// The light of a parallelogram, with an error of up to about ten times the tolerance.
 pub(super) fn truth(case: &Case, tolerance: f64) -> Truth {
     let [v0, v1, v2, v3] = case.vertices;
     let middle = scaled(plus(v0, v2), 0.5);
@@ -274,11 +274,11 @@ pub(super) fn mean_and_max(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
     [sum / numbers.len() as f64, numbers.into_iter().fold(0.0, f64::max)]
 }
 
-/// The errors relative to the quadrature, mean and largest, of the visible part, the energy, and the energy with both
+/// The mean and the largest difference from the quadrature, for the visible part, the energy, and the energy with both
 /// Fresnel terms.
 ///
 /// # Panics
-/// If most lights of a set are dark.
+/// If at least three quarters of the lights of a set are dark.
 #[must_use]
 pub fn errors(set: Set, eta: f64, count: usize, tolerance: f64) -> [[f64; 2]; 4] {
     let mut draw = Draw::new(77);
@@ -288,8 +288,8 @@ pub fn errors(set: Set, eta: f64, count: usize, tolerance: f64) -> [[f64; 2]; 4]
     std::array::from_fn(|i| mean_and_max(pairs.iter().map(|(truth, model)| (truth[i] - model[i]).abs())))
 }
 
-/// The mean and the largest of the differences between f32 and f64, for random lights of 0.002 to 50 times their
-/// distance.
+/// The mean and the largest of the differences between f32 and f64, for random lights whose longer half side is 0.002
+/// to 50 times their distance.
 #[must_use]
 pub fn f32_errors(etas: [f64; 2], alphas: [f64; 2], count: usize) -> [f64; 2] {
     let mut draw = Draw::new(3);

@@ -6,7 +6,7 @@ use super::arc::{Arc, ArcKind, Circle, Extent};
 use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit};
 
 /// Rounding tolerance of an arc's angle. A short arc that ends behind its start by less than this is empty. A wide arc
-/// that ends after less than this went all around.
+/// that ends less than this after its start goes all around.
 const BEHIND: f64 = 1.5;
 /// The angle from an exit to an entry above which the two can be the same point, up to rounding.
 const ALL_AROUND: f64 = 6.0;
@@ -22,7 +22,7 @@ pub(super) fn clip<T: Scalar>(
     kind: ArcKind,
     is_in: impl Fn(Triple<T>) -> bool,
 ) -> Vec<Arc<T>> {
-    // A circle that is a point has nothing outside, or nothing inside.
+    // If the circle is a point, nothing is outside of it, or nothing is inside.
     if !(circle.offset.abs() < T::ONE - T::UNCERTAINTY) {
         return if circle.offset > T::ZERO { Vec::new() } else { arcs.to_vec() };
     }
@@ -219,7 +219,7 @@ impl<'a, T: Scalar> Track<'a, T> {
         up(self.angle(w))
     }
 
-    /// A crossing at an angle. If rounding puts it beyond an end, the end.
+    /// A crossing at an angle, or an end of the arc if rounding puts the crossing beyond this end.
     fn snapped_within(&self, w: Triple<T>, angle: T) -> ArcPoint<T> {
         if angle > T::ZERO && angle < self.end {
             (w, angle)
@@ -230,7 +230,7 @@ impl<'a, T: Scalar> Track<'a, T> {
         }
     }
 
-    /// The only crossing on the arc. If rounding puts it beyond an end, the end.
+    /// The only crossing on the arc, or an end of the arc if rounding puts the crossing beyond this end.
     fn snapped(&self, w: Triple<T>) -> ArcPoint<T> {
         let angle = self.along(w);
         if angle < self.end {

@@ -32,7 +32,7 @@ pub(super) fn flat<T: Scalar>(a: Triple<T>, b: Triple<T>, control: Triple<T>) ->
         / (T::ONE + w * (T::of(1.014_469_6) + square));
     let chord = arc_bend(a, b);
     let halves = plus(arc_bend(a, middle), arc_bend(middle, b));
-    // The plane part from a over the middle to b, minus the plane part from a to b.
+    // The plane part from a through the middle to b, minus the plane part from a to b.
     let plane = cross(minus(middle, a), minus(b, middle));
     plus(chord, scaled(plus(plane, minus(halves, chord)), factor))
 }

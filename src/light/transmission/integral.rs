@@ -9,7 +9,8 @@ use super::{
 };
 use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, scaled, unit};
 
-/// A negative angle about an axis above minus this is a rounded zero. Below it, a whole turn is added.
+/// A negative angle about an axis is a rounded zero if its absolute value is below this. Otherwise, a whole turn is
+/// added.
 const ROUNDED_ANGLE: f64 = 0.01;
 /// The smallest cosine between the ends of a short great arc.
 const SHORT_COSINE: f64 = 0.5;
@@ -60,7 +61,7 @@ fn conic<T: Scalar>(interface: &Interface<T>, arc: &Arc<T>, from: Triple<T>, to:
     let p = arc.circle.axis;
     let k = dot(interface.wo, p) + interface.eta * arc.circle.offset;
     if k.abs() < T::UNCERTAINTY && arc.extent != Extent::Whole {
-        // The cone is a plane, the plane of the circle. This happens for an edge in line with the view.
+        // The cone is a plane, the plane of the circle. This happens if the edge is in line with the view.
         return arc_bend(from, to);
     }
     let (view, axis, contrast) = (interface.stretched, interface.stretch(p), interface.contrast());
@@ -76,7 +77,7 @@ fn conic<T: Scalar>(interface: &Interface<T>, arc: &Arc<T>, from: Triple<T>, to:
         element(1, 2),
     ]);
 
-    // The sense in which the image goes around the cone's axis.
+    // The direction in which the image goes around the cone's axis.
     let arc_on_cone = ConeArc { from: cone.local(from), to: cone.local(to), normal: cone.local(cross(from, to)) };
     let sense = if k < T::ZERO { -interface.sigma } else { interface.sigma };
     let sense = if arc_on_cone.from[0] < T::ZERO { -sense } else { sense };
@@ -84,7 +85,8 @@ fn conic<T: Scalar>(interface: &Interface<T>, arc: &Arc<T>, from: Triple<T>, to:
         return cone.whole(sense);
     }
     let psi = cone.angle(&arc_on_cone);
-    // An angle against the sense is either a rounded zero or lacks a whole turn. The midpoint distinguishes the two.
+    // An angle against this direction is either a rounded zero or lacks a whole turn. The midpoint distinguishes the
+    // two.
     let is_rounded = || {
         let middle = cone.local(interface.normal(T::ONE, arc.middle()));
         psi.abs() < T::of(ROUNDED_ANGLE) && cone.are_on_one_side(arc_on_cone.from, middle)

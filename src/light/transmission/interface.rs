@@ -8,7 +8,7 @@ pub(super) struct Interface<T> {
     pub(super) alpha: [T; 2],
     /// The view direction.
     pub(super) wo: Triple<T>,
-    /// The index behind the interface divided by the index in front of it.
+    /// The refractive index behind the interface divided by the refractive index in front of it.
     pub(super) eta: T,
     /// `sigma`: the sign of the normal along `wo + eta wi`.
     pub(super) sigma: T,

@@ -1,10 +1,10 @@
 //! The light of a polygon behind a rough dielectric interface, in the space of its normals, without a table. It is
 //! exact except for the weight of shadowing and the Fresnel term.
 //!
-//! `eta = n_far / n_near`. The view `wo` is above the surface, `z > 0`, the light below it. The normal that refracts
-//! `wi` into `wo` is `h = sigma (wo + eta wi)` up to length, with `sigma = -1` for `eta > 1` and `+1` otherwise [Walter
-//! et al. 2007]. It is linear in `wi`, like the normal of a reflection. With `c = normalize(A^-1 h)` the light of a
-//! polygon is again a weighted form factor over its image C(P):
+//! `eta = n_far / n_near`. The view `wo` is above the surface, `z > 0`, and the light is below it. The normal that
+//! refracts `wi` into `wo` is `h = sigma (wo + eta wi)` up to length, with `sigma = -1` for `eta > 1` and `+1`
+//! otherwise [Walter et al. 2007]. It is linear in `wi`, like the normal of a reflection. With `c = normalize(A^-1 h)`
+//! the light of a polygon is again a weighted form factor over its image C(P):
 //!
 //! ```text
 //! V = 2 / (cos_o + |A wo|) (A wo) . F,     F = 1/(2 pi) closed integral of c x dc along the outline of C(P)
@@ -13,7 +13,7 @@
 //! The image of a circle of directions `p . w = q` is the cone `c^T K c = 0`,
 //! `K = A [k (wo p' + p wo') - k^2 I - (1 - eta^2) p p'] A`, `k = wo . p + eta q`, and the integral over it is
 //! elementary (`integral.rs`). Not every direction below the surface counts (`outline.rs`): the normal must be above
-//! the surface and in front of the viewer and the light. All these limits are circles, so the clips are exact. The
+//! the surface and face both the viewer and the light. All these limits are circles, so the clips are exact. The
 //! weight, `G2 / G1` with and without the Fresnel term, is averaged over four normals of each triangle between the mean
 //! normal and an arc (`weight.rs`). `docs/refraction.md` has the derivation.
 
@@ -49,14 +49,15 @@ use ltcforge_fit::{
     math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit},
 };
 
-/// The range of indices for which the closed form is measured, except for indices within [`ETA_APART`] of one.
+/// The range of relative refractive indices `eta` for which the closed form is measured, except for values within
+/// [`ETA_APART`] of one.
 pub const ETA_RANGE: [f64; 2] = [1.0 / 3.0, 3.0];
-/// The smallest difference of an index from one. At `eta = 1` light that goes straight on has no normal,
+/// The smallest difference of `eta` from one. At `eta = 1`, light passes straight through and has no normal,
 /// `wo + eta wi = 0`. Near one, this sum is as short as `|eta - 1|`, and f32 loses digits: the mean error is 5e-7 at
 /// 1.02 and 1e-6 at 1.005.
 pub const ETA_APART: f64 = 0.02;
 
-/// The smallest cosine between the ends of an image that is a single part of the fan.
+/// If the cosine between the ends of an image is above this, the image is a single part of the fan.
 const LONG_COSINE: f64 = 0.7;
 /// The number of parts of longer arcs: of an edge of the light, and of an arc that closes a clipped light.
 const EDGE_PARTS: u32 = 2;
@@ -69,8 +70,8 @@ const WHOLE_PARTS: u32 = 8;
 
 /// The light transmitted by a rough interface. Each number is in [0, 1].
 ///
-/// The unit is basic radiance, `L / n^2`: a half space of basic radiance one gives at most one. Radiance behind the
-/// interface gives radiance in front of it after a division by `eta^2`.
+/// The unit is basic radiance, `L / n^2`: a half space of basic radiance one gives at most one. To get the radiance in
+/// front of the interface from the radiance behind it, divide the result by `eta^2`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transmitted<T> {
     /// The light with shadowing and masking, for an interface that does not reflect.
@@ -81,7 +82,7 @@ pub struct Transmitted<T> {
     pub schlick: T,
 }
 
-/// The light of a polygon of basic radiance one that GGX transmits towards `wo`.
+/// The light that GGX transmits towards `wo` from a polygon of basic radiance one.
 ///
 /// The vertices of the convex polygon are relative to the shaded point in its tangent frame, normal +z. The light is
 /// the part of the polygon below the surface, `z < 0`. The vertices run clockwise as seen from the lit side. Domain:

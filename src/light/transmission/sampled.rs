@@ -10,11 +10,11 @@ use ltcforge_fit::{
     math::{Lattice, Triple},
 };
 
-/// The light of a polygon of basic radiance one that GGX transmits towards `wo`, from `count` visible normals and the
-/// directions that they refract.
+/// The light that GGX transmits towards `wo` from a polygon of basic radiance one, estimated from `count` visible
+/// normals and the directions that they refract.
 ///
-/// The other arguments are the arguments of [`super::transmitted`]. The error falls with `1 / sqrt(count)`, from half
-/// of the energy for one normal, and faster for wide lobes. `shift`, in [0, 1), moves the points; equal shifts give
+/// The other arguments are the arguments of [`super::transmitted`]. The error for one normal is half of the energy. It
+/// falls with `1 / sqrt(count)`, and faster for wide lobes. `shift`, in [0, 1), moves the points; equal shifts give
 /// equal bits. Domain: `count` from 1 to 2^32 - 1.
 #[must_use]
 pub fn sampled(

@@ -1,11 +1,11 @@
-//! The weight of a normal: the part of its light that is neither shadowed nor reflected. Also its mean over triangles
-//! of normals.
+//! The weight of a normal: the part of its light that is neither shadowed nor reflected. This file also computes the
+//! mean weight over triangles of normals.
 
 use super::interface::Interface;
 use ltcforge_fit::math::{Scalar, Triple, dot, minus, plus, scaled};
 
 /// The position of three sample points of a triangle, on the lines from the centroid to the corners. The centroid is
-/// the fourth point. Found by a search on cases of `eta = 1.5` and `1/1.5`, and checked on others.
+/// the fourth point. Found by a search on cases of `eta = 1.5` and `1/1.5`, and checked on other cases.
 const CORNER_SHARE: f64 = 0.9;
 const CORNER_WEIGHT: f64 = 0.11;
 

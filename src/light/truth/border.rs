@@ -50,7 +50,8 @@ impl Piece {
         }
     }
 
-    /// The two halves. Of a straight piece between unit vectors, both have the same length as seen from the origin.
+    /// The two halves. The halves of a straight piece between unit vectors have the same length as seen from the
+    /// origin.
     pub(super) fn halves(&self) -> [Self; 2] {
         match *self {
             Self::Straight([from, to]) => {
@@ -142,7 +143,8 @@ fn sphere(centre: DVec3, radius: f64) -> Vec<Piece> {
     Piece::ellipse(middle, [x * outline_radius, y * outline_radius])
 }
 
-/// The outline of a tube: an arc of each end's circle, joined by the planes through the origin that touch both spheres.
+/// The outline of a tube: an arc of each end's circle, joined by straight pieces in the planes through the origin that
+/// touch both spheres.
 ///
 /// With the distance `d` of the line, the planes have the normals `n = (radius u +- sqrt(d^2 - radius^2) v) / d`. The
 /// unit vector `u` points towards the line, and `v` is perpendicular to both. The planes touch a sphere at its centre

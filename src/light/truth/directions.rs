@@ -10,10 +10,10 @@ use ltcforge_fit::{
     math::{cos, sin_cos},
 };
 
-/// The length of a part of an outline, in mean distances of kinks. Its rule of 15 points then has a ray between two
-/// kinks.
+/// The length of a part of an outline, in mean distances between kinks. The 15 rays over a part then include a ray
+/// between neighbouring kinks.
 const BENDS_A_PART: f64 = 9.0;
-/// The smallest length of a part, in radians, for any distance of kinks.
+/// The smallest length of a part, in radians, for any distance between kinks.
 const LEAST_PART: f64 = PI / 90.0;
 /// Kinks of a ray closer than this are merged.
 const SAME: f64 = 1e-9;
@@ -96,7 +96,7 @@ impl Space for Directions<'_> {
             [larger / square, rest / larger]
         };
         let cuts = self.planes.iter().map(of_plane).chain(self.cones.iter().flat_map(of_cone));
-        // A kink that does not cut the ray is infinite or NaN.
+        // A kink that does not cut the ray gives infinity or NaN.
         let mut bends: Vec<f64> = cuts.filter(|s| *s > SAME && *s < 1.0 - SAME).collect();
         bends.sort_by(f64::total_cmp);
         bends.dedup_by(|next, last| *next - *last < SAME);

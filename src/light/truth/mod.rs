@@ -1,10 +1,10 @@
-//! The light that a surface reflects, by adaptive quadrature. It is slow, and its accuracy has no limit.
+//! The light that a surface reflects, by adaptive quadrature. It is slow, but as accurate as its tolerance.
 //!
-//! A quadrature over a light's area misses sharp lobes, which are only points of it, and needs ever more points for
-//! needles. So the integral is over the light's image in a space ([`space::Space`]) where the lobe is broad. For GGX
-//! this is the space of normals stretched by `1 / alpha` ([`super::normals`]). Every lobe is the same cosine there, and
-//! the integrand is as smooth as the weight of shadowing. Other lobes around a reflection are as broad there. Diffuse
-//! reflection, sheen and tabulated BRDFs are broad in the space of light directions.
+//! A quadrature over a light's area misses sharp lobes, which are tiny spots on the light, and needs ever more points
+//! for needles. So the integral is over the light's image in a space ([`space::Space`]) where the lobe is broad. For
+//! GGX this is the space of normals stretched by `1 / alpha` ([`super::normals`]). Every lobe is the same cosine there,
+//! and the integrand is as smooth as the weight of shadowing. Other lobes around a reflection are as broad there.
+//! Diffuse reflection, sheen and tabulated BRDFs are broad in the space of light directions.
 //!
 //! The integral over the image has two steps (`outline.rs`): along its outline, and along the ray from a tip in the
 //! image to the outline. An edge is halved until its image is short. This finds the few points of a light that a mirror
@@ -53,7 +53,7 @@ pub fn truth<'a>(at: &Configuration, light: impl Into<AreaLight<'a>>) -> Result<
 /// Like [`truth`], with another tolerance for each part of an edge.
 ///
 /// # Errors
-/// As [`truth`].
+/// The errors of [`truth`].
 pub fn truth_within<'a>(
     tolerance: f64,
     at: &Configuration,
@@ -69,7 +69,7 @@ pub fn truth_within<'a>(
 /// The reflection of a line is proportional to its width, and for a lobe around a reflection at most one.
 ///
 /// # Errors
-/// As [`truth`], and [`LightError::NoBrdfFile`] for a tabulated model without its values.
+/// The errors of [`truth`], and [`LightError::NoBrdfFile`] for a tabulated model without its values.
 pub fn truth_of<'a>(
     brdf: &BrdfModel,
     tolerance: f64,
@@ -80,11 +80,11 @@ pub fn truth_of<'a>(
     Ok(ReflectedLight { energy, fresnel })
 }
 
-/// The light weighted by [`edge_weight`](ltcforge_fit::brdf::edge_weight) of the cosine between view and half vector,
-/// which is the difference of F82 from Schlick's factor: see [`ReflectedLight::metal`].
+/// The light weighted by [`edge_weight`](ltcforge_fit::brdf::edge_weight) of the cosine between view and half vector.
+/// This weight is the shape of the difference between F82 and Schlick's factor: see [`ReflectedLight::metal`].
 ///
 /// # Errors
-/// As [`truth_of`].
+/// The errors of [`truth_of`].
 pub fn edge_truth_of<'a>(
     brdf: &BrdfModel,
     tolerance: f64,

@@ -13,8 +13,8 @@ const MOST_EDGE_HALVINGS: u32 = 60;
 /// The smallest number of halvings of an edge. An image that leaves and comes back would look short without them.
 const LEAST_EDGE_HALVINGS: u32 = 2;
 
-/// The largest number of halvings of an interval along the outline, and along a ray. They are reached if a horizon
-/// crosses the integrand.
+/// The largest number of halvings of an interval along the outline, and along a ray. The quadrature reaches them where
+/// a horizon cuts the integrand.
 const OUTLINE_HALVINGS: u32 = 16;
 const RAY_HALVINGS: u32 = 12;
 

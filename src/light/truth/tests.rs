@@ -1,4 +1,4 @@
-//! Compares the spaces with each other.
+//! Compares the integrals in different spaces with each other.
 
 use glam::DVec3;
 

@@ -10,9 +10,10 @@ use ltcforge_fit::brdf::{Brdf, Ggx};
 
 /// The largest number of times that a texel is quartered.
 const DEPTH: u32 = 14;
-/// The tolerance for a cell's own light, in tolerances. It is large because the extrapolated result is of fourth order.
+/// The error allowed for a cell relative to its own light, in units of `tolerance`. It is large because the
+/// extrapolated result is of fourth order.
 const OF_CELL: f64 = 30.0;
-/// The distance at which a mirrored ray counts as meeting a plane that it does not meet.
+/// The distance of the meeting point if a mirrored ray does not meet the plane.
 const NOWHERE: f64 = 1e9;
 
 /// The light of every texel of a picture on a rectangle, row by row, for a Fresnel factor of one and weighted by

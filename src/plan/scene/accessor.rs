@@ -8,16 +8,16 @@ use super::{
     error::{SceneError, Unread},
 };
 
-/// Elements of one accessor.
+/// Maximum number of elements of one accessor.
 const MOST_ELEMENTS: u64 = 1 << 26;
-/// Elements that a thread reads at once.
+/// Minimum number of elements that a thread reads at once.
 const LEAST_READ: usize = 1 << 14;
 
-/// The buffers of a scene and their document. Indices of accessors are in range: `check` has checked them.
+/// The buffers of a scene and their document. Domain: indices of accessors that `check` has checked.
 #[derive(Debug)]
 pub(super) struct Buffers<'a> {
     document: &'a Document,
-    /// The bytes of each buffer, at least as many as the document says, or why they are missing.
+    /// The bytes of each buffer, at least as many as the document states, or why they are missing.
     buffers: Vec<Result<Vec<u8>, String>>,
 }
 

@@ -20,8 +20,7 @@ pub(super) struct Placed {
 }
 
 impl Placed {
-    /// A camera at its node, without the scale of the nodes above [glTF 2.0, section 3.10.2]; `None` if it sees
-    /// nothing.
+    /// A camera at its node, without the scale of parent nodes [glTF 2.0, section 3.10.2]; `None` if it sees nothing.
     pub(super) fn new(camera: &Camera, world: DMat4) -> Option<Self> {
         let axes =
             [world.x_axis, world.y_axis, world.z_axis].map(|axis| axis.truncate().normalize_or_zero().extend(0.0));

@@ -5,9 +5,9 @@ use super::{
     error::{Faults, SceneError, shown},
 };
 
-/// Items of each list: nodes, meshes, images and so on.
+/// Maximum number of items in each list: nodes, meshes, images and so on.
 const MOST_ITEMS: u64 = 1 << 18;
-/// Materials: each may gather 20 KB of views.
+/// Maximum number of materials. Each may gather 20 KB of views.
 const MOST_MATERIALS: u64 = 1 << 12;
 
 /// Checks the indices that `graph`, `geometry` and `surface` follow.

@@ -11,9 +11,9 @@ use base64::{Engine as _, prelude::BASE64_STANDARD};
 use super::error::{SceneError, Unread, shown};
 use ltcforge_files::bounded::read_file;
 
-/// Bytes of a scene's file and of all files that it names together.
+/// Maximum bytes of a scene's file and all files that it names, together.
 pub(super) const MOST_BYTES: u64 = 1 << 30;
-/// Bytes of the document.
+/// Maximum bytes of the document.
 const MOST_JSON: u64 = 64 << 20;
 
 /// A scene's document and where its other bytes are.
@@ -21,7 +21,7 @@ const MOST_JSON: u64 = 64 << 20;
 pub(super) struct Container {
     pub(super) json: Vec<u8>,
     pub(super) binary: Option<Vec<u8>>,
-    /// The folder of files that the document may name; `None` if it may name none.
+    /// The folder of files that the document may name; `None` if it may not name files.
     folder: Option<PathBuf>,
     /// Bytes that may still be read.
     left: u64,
@@ -79,7 +79,7 @@ impl Container {
 
 /// The bytes of a regular file, at most `most_bytes`.
 fn read(path: &Path, most_bytes: u64) -> Result<Vec<u8>, Error> {
-    // To open a pipe would wait for its writer.
+    // Opening a pipe would wait for its writer.
     if path.metadata()?.is_file() { read_file(path, most_bytes) } else { Err(Error::other("not a file")) }
 }
 
@@ -107,8 +107,10 @@ fn chunks(bytes: &[u8]) -> Result<(Vec<u8>, Option<Vec<u8>>), SceneError> {
     let header = word(4).zip(word(8)).ok_or_else(|| fault("the header is incomplete".to_owned()))?;
     match header {
         (2, length) if length as usize <= bytes.len() => {}
-        (2, length) => return Err(fault(format!("the header says {length} bytes, the file has {}", bytes.len()))),
-        (version, _) => return Err(fault(format!("version {version}; only version 2 is read"))),
+        (2, length) => {
+            return Err(fault(format!("the header states {length} bytes, but the file has {}", bytes.len())));
+        }
+        (version, _) => return Err(fault(format!("version {version}; only version 2 is supported"))),
     }
     let (mut at, mut json, mut binary) = (12, None, None);
     while let Some((size, kind)) = word(at).zip(bytes.get(at + 4..at + 8)) {

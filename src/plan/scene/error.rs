@@ -3,7 +3,7 @@
 use ltcforge_files::recipe_document::Fault;
 use ltcforge_fit::GoOn;
 
-/// Most faults in one error.
+/// Maximum number of faults in one error.
 const MOST_FAULTS: usize = 50;
 
 /// Why a scene cannot be read.
@@ -12,17 +12,17 @@ pub enum SceneError {
     /// The scene's own file cannot be read.
     #[error(transparent)]
     Open(std::io::Error),
-    /// The scene is larger than we read.
-    #[error("{what}: {is}; at most {most} are read")]
+    /// The scene exceeds a limit.
+    #[error("{what}: {is}; at most {most} are allowed")]
     TooMuch {
         /// The counted items.
         what: String,
-        /// How many there are.
+        /// The number of items.
         is: u64,
-        /// How many we read.
+        /// The maximum number of items.
         most: u64,
     },
-    /// The document is invalid: its first faults.
+    /// The document is invalid. The error lists the first faults.
     #[error("{}", list(.0))]
     Faults(Vec<Fault>),
     /// The scene has nothing to plan for.
@@ -61,9 +61,9 @@ impl SceneError {
 /// Why a part of a scene cannot be read.
 #[derive(Debug)]
 pub(super) enum Unread {
-    /// The part is missing, or its format is not read. The scene is read without it.
+    /// The part is missing, or its format is not supported. The scene is read without it.
     Missing(String),
-    /// The scene is not read.
+    /// The whole scene is rejected.
     Fault(SceneError),
 }
 
@@ -74,7 +74,7 @@ impl From<SceneError> for Unread {
 }
 
 impl Unread {
-    /// The inner error says why the part is missing.
+    /// Separates missing parts from faults. The inner error says why the part is missing.
     pub(super) fn split<T>(read: Result<T, Self>) -> Result<Result<T, String>, SceneError> {
         match read {
             Ok(part) => Ok(Ok(part)),

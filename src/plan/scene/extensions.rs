@@ -1,8 +1,8 @@
-//! The extensions of glTF that a plan reads, and those that it names as not covered.
+//! The glTF extensions that a plan reads, and those that it reports as not covered.
 
 use super::{document::Extensions, error::shown};
 
-/// Extensions that a plan reads, that change nothing for it, or that a note describes.
+/// Extensions that a plan reads, that do not affect it, or that a note describes.
 const READ: [&str; 15] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -22,19 +22,19 @@ const READ: [&str; 15] = [
 ];
 const UNLIT: &str = "KHR_materials_unlit";
 const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
-/// Extensions whose light is not the lobe of one table.
+/// Extensions that add light which no table of one lobe covers.
 const NOT_COVERED: [(&str, &str); 8] = [
     (UNLIT, "it is unlit"),
-    (SPECULAR_GLOSSINESS, "its reflection, of the retired model of specular and glossiness"),
-    ("KHR_materials_transmission", "transmitted light; the plan serves its reflection"),
+    (SPECULAR_GLOSSINESS, "its reflection, which uses the retired specular-glossiness model"),
+    ("KHR_materials_transmission", "transmitted light; the plan covers its reflection"),
     ("KHR_materials_volume", "light in its volume"),
-    ("KHR_materials_diffuse_transmission", "light that comes through it"),
-    ("KHR_materials_iridescence", "the colours of its thin film; the plan serves its lobe"),
+    ("KHR_materials_diffuse_transmission", "light that passes through it"),
+    ("KHR_materials_iridescence", "the colours of its thin film; the plan covers its lobe"),
     ("KHR_materials_dispersion", "its dispersion"),
     ("KHR_materials_subsurface", "light below its surface"),
 ];
 
-/// Unknown extensions that are named.
+/// Maximum number of unknown extensions in a note.
 const MOST_UNKNOWN: usize = 32;
 
 /// Whether a plan knows an extension.
@@ -42,7 +42,7 @@ fn is_known(name: &str) -> bool {
     READ.iter().chain(NOT_COVERED.iter().map(|(name, _)| name)).any(|known| *known == name)
 }
 
-/// The first of some extensions that a plan does not know.
+/// The extensions that a plan does not know, up to [`MOST_UNKNOWN`].
 pub(super) fn unknown<'a>(names: impl Iterator<Item = &'a String>) -> impl Iterator<Item = &'a String> {
     names.filter(|name| !is_known(name)).take(MOST_UNKNOWN)
 }
@@ -52,9 +52,9 @@ pub(super) fn is_ggx(extensions: &Extensions) -> bool {
     !extensions.contains_key(UNLIT) && !extensions.contains_key(SPECULAR_GLOSSINESS)
 }
 
-/// The light of a material that no table of one lobe covers.
+/// The parts of a material's light that no table of one lobe covers.
 pub(super) fn uncovered(extensions: &Extensions) -> Vec<String> {
     let listed = NOT_COVERED.iter().filter(|(name, _)| extensions.contains_key(*name));
     let listed = listed.map(|(name, what)| format!("{what} ({name})"));
-    listed.chain(unknown(extensions.keys()).map(|name| format!("changes by {}", shown(name)))).collect()
+    listed.chain(unknown(extensions.keys()).map(|name| format!("unknown extension {}", shown(name)))).collect()
 }

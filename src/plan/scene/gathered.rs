@@ -1,4 +1,4 @@
-//! The lobes of one material, weighted by the surface that has them.
+//! The lobes of one material, weighted by the area of the surface with these lobes.
 
 use glam::DVec3;
 
@@ -15,7 +15,7 @@ pub(super) struct Gathered {
     /// One for each [`LobeKind`].
     lobes: [(Histogram, Views); 3],
     area: f64,
-    /// Whether the position of some surface is unknown, so that every view counts.
+    /// Whether the position of some surface is unknown. Every view counts then.
     pub(super) is_placeless: bool,
 }
 
@@ -33,7 +33,7 @@ impl Gathered {
             histogram.add([at.alpha, at.ratio], at.f0, weight);
             for view in views {
                 let theta = atan2(view.truncate().length(), view.z);
-                // Tables have one quadrant, from the axis of the larger roughness.
+                // Tables cover one quadrant, starting at the axis of the larger roughness.
                 let (sin, cos) = sin_cos(at.turn);
                 let phi = atan2((cos * view.y - sin * view.x).abs(), (cos * view.x + sin * view.y).abs());
                 all_views.add(theta, phi, weight / views.len() as f64);
@@ -50,7 +50,7 @@ impl Gathered {
         }
     }
 
-    /// The material of the scene.
+    /// Makes the scene's material from the gathered lobes.
     pub(super) fn finish(self, name: String, uncovered: Vec<String>, is_every_view: bool) -> SceneMaterial {
         let lobe = |((histogram, views), kind): ((Histogram, Views), LobeKind)| SceneLobe {
             kind,

@@ -71,7 +71,7 @@ impl Geometry {
         Ok(Self { positions, triangles, normals, tangents, uv })
     }
 
-    /// How many triangles there are.
+    /// The number of triangles.
     pub(super) fn len(&self) -> usize {
         self.triangles.len()
     }
@@ -135,7 +135,7 @@ impl Geometry {
     }
 }
 
-/// The surface of the box of an accessor of positions, in the world; 1 if the box is missing or empty.
+/// The surface area of the bounding box of an accessor of positions, in the world; 1 if the box is missing or empty.
 pub(super) fn box_area(positions: &Accessor, world: &DMat4) -> f64 {
     let corner = |numbers: &Option<Vec<f64>>| Some(DVec3::from(*numbers.as_ref()?.first_chunk::<3>()?));
     let Some((min, max)) = corner(&positions.min).zip(corner(&positions.max)) else { return 1.0 };

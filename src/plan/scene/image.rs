@@ -1,4 +1,4 @@
-//! Images: PNG, JPEG and WebP, to the channels that a material needs.
+//! Decodes the channels that a material needs from PNG, JPEG and WebP images.
 
 use std::{error::Error, io::Cursor};
 
@@ -8,7 +8,7 @@ use zune_jpeg::JpegDecoder;
 use super::error::SceneError;
 use ltcforge_files::bounded::check_jpeg;
 
-/// Pixels of one image.
+/// Maximum number of pixels of one image.
 pub(super) const MOST_PIXELS: u64 = 1 << 26;
 
 /// One to three channels of an image, 8 bits each.
@@ -31,10 +31,10 @@ impl Pixels {
     }
 }
 
-/// An error of a decoder, in its own type.
+/// A decoder's result with its own type of error.
 type Decoded<T> = Result<T, Box<dyn Error>>;
 
-/// An image whose header is read.
+/// An image whose header was read.
 enum Decoder<'a> {
     Png(Box<png::Decoder<Cursor<&'a [u8]>>>),
     Jpeg(Box<JpegDecoder<ZCursor<&'a [u8]>>>),
@@ -42,7 +42,7 @@ enum Decoder<'a> {
 }
 
 impl<'a> Decoder<'a> {
-    /// The decoder of an image with the image's width and height; `None` for a format that is not read.
+    /// The decoder of an image with the image's width and height; `None` for an unsupported format.
     fn new(bytes: &'a [u8]) -> Decoded<Option<(Self, [usize; 2])>> {
         Ok(Some(match bytes {
             [0x89, b'P', b'N', b'G', ..] => {
@@ -99,7 +99,7 @@ fn invalid(pointer: &str, error: &dyn Error) -> SceneError {
     SceneError::fault(pointer, format!("the image is invalid: {error}"))
 }
 
-/// The decoder and the size of an image of at most [`MOST_PIXELS`]; `None` for a format that is not read.
+/// The decoder and the size of an image of at most [`MOST_PIXELS`]; `None` for an unsupported format.
 fn open<'a>(pointer: &str, bytes: &'a [u8]) -> Result<Option<(Decoder<'a>, [usize; 2])>, SceneError> {
     let Some((decoder, size)) = Decoder::new(bytes).map_err(|error| invalid(pointer, &*error))? else {
         return Ok(None);
@@ -112,7 +112,7 @@ fn open<'a>(pointer: &str, bytes: &'a [u8]) -> Result<Option<(Decoder<'a>, [usiz
     Ok(Some((decoder, size)))
 }
 
-/// How many pixels an image has by its header; `None` for a format that is not read.
+/// The number of pixels that an image's header states; `None` for an unsupported format.
 pub(super) fn pixels_of(pointer: &str, bytes: &[u8]) -> Result<Option<u64>, SceneError> {
     Ok(open(pointer, bytes)?.map(|(_, [width, height])| width as u64 * height as u64))
 }

@@ -12,11 +12,11 @@ use super::{
 use ltcforge_files::json_size::JsonLimits;
 use ltcforge_fit::ALPHA_FLOOR;
 
-/// Materials of a list.
+/// Maximum number of materials in a list.
 const MOST_MATERIALS: u64 = 4096;
 /// Limits of the document: a material of glTF has up to a dozen objects and lists.
 const LIMITS: JsonLimits = JsonLimits { items: 1 << 16, values: 1 << 18 };
-/// The greatest weight.
+/// The largest weight.
 const MOST_WEIGHT: f64 = 1e9;
 
 #[derive(Debug, Deserialize)]
@@ -41,8 +41,8 @@ struct Item {
 /// Reads a list as a scene that is seen from everywhere.
 pub(super) fn read(json: &[u8]) -> Result<Scene, SceneError> {
     if json.trim_ascii_start().starts_with(b"[") {
-        // serde would read it as the fields of a list.
-        return Err(SceneError::fault("", "a bare list; the document is {\"materials\": [...]}"));
+        // serde would read an array as the fields of `List`.
+        return Err(SceneError::fault("", "a bare list; the document must be {\"materials\": [...]}"));
     }
     let List { materials } = parsed(json, LIMITS, "a list of materials")?;
     SceneError::above("/materials", materials.len() as u64, MOST_MATERIALS)?;

@@ -9,7 +9,7 @@ use super::{
 };
 use ltcforge_fit::{ALPHA_FLOOR, math::atan2};
 
-/// Alpha below which a masked surface is cut away, if the material does not say.
+/// Default cutoff: a masked surface is cut away where alpha is below it.
 const CUTOFF: f64 = 0.5;
 /// Reflectance of a clear coat at normal incidence, of index 1.5.
 const COAT_F0: f64 = 0.04;
@@ -73,22 +73,22 @@ pub(super) struct Shaded {
     roughness: f64,
     ior: f64,
     specular: Specular,
-    /// Extensions that change nothing are at their defaults.
+    /// Extensions that the material lacks have defaults, which change nothing.
     anisotropy: Anisotropy,
     clearcoat: Clearcoat,
     sheen: Sheen,
     alpha_mode: AlphaMode,
     alpha_cutoff: f64,
     maps: [Option<Sampled>; 9],
-    /// Whether its base lobe is GGX.
+    /// Whether the base lobe is GGX.
     is_ggx: bool,
-    /// Its light that a table does not cover.
+    /// The parts of the material's light that no table of one lobe covers.
     pub(super) uncovered: Vec<String>,
     /// Notes about missing textures.
     pub(super) missing: Vec<String>,
 }
 
-/// Returns the texture coordinates of a set.
+/// A function that returns the texture coordinates of a set.
 type Uv<'a> = dyn Fn(u32) -> [f64; 2] + 'a;
 
 impl Shaded {
@@ -135,7 +135,7 @@ impl Shaded {
             };
             match Unread::split(read)? {
                 Ok(texture) => *map = Some(texture),
-                Err(why) => missing.push(format!("the texture of its {what} is ignored, its factor is used: {why}")),
+                Err(why) => missing.push(format!("the texture of its {what} is ignored; its factor is used: {why}")),
             }
         }
         let number = || index.map_or("the default material".to_owned(), |index| format!("material {index}"));
@@ -182,7 +182,7 @@ impl Shaded {
         }
         let f0 = self.dielectric_f0(1.0, [1.0; 3]);
         if !(0.0..f64::INFINITY).contains(&f0) {
-            faults.add(format!("{place}/extensions/KHR_materials_specular"), format!("a reflectance of {f0}"));
+            faults.add(format!("{place}/extensions/KHR_materials_specular"), format!("invalid reflectance {f0}"));
         }
         faults.none()
     }
@@ -196,7 +196,7 @@ impl Shaded {
         (root * root * light).min(1.0) * self.specular.specular_factor.unwrap_or(1.0) * factor
     }
 
-    /// The sets of texture coordinates of its textures.
+    /// The sets of texture coordinates that the material's textures use.
     pub(super) fn sets(&self) -> Vec<u32> {
         let mut sets: Vec<u32> = self.maps.iter().flatten().map(|map| map.set).collect();
         sets.sort_unstable();
@@ -204,7 +204,7 @@ impl Shaded {
         sets
     }
 
-    /// Whether its lobes differ from point to point.
+    /// Whether the lobes differ from point to point.
     pub(super) fn is_textured(&self) -> bool {
         self.maps.iter().any(Option::is_some)
     }

@@ -1,4 +1,5 @@
-//! Scenes in glTF 2.0: the lobes of their materials, weighted by the surface that has them, and the views of it.
+//! Scenes in glTF 2.0: the lobes of their materials, weighted by the area of surface with these lobes, and the views of
+//! it.
 //!
 //! Invariant: hostile bytes give an error within bounded time and memory, never a panic; no file outside of the
 //! scene's folder is read; equal files give equal scenes.
@@ -35,8 +36,8 @@ pub use material::LobeKind;
 pub use model::{Scene, SceneLobe, SceneMaterial};
 
 impl Scene {
-    /// Reads a scene's file, `.glb` or `.gltf`, and the files that it names in its folder; `go_on` may stop it. Runs on
-    /// the current rayon pool, whose size changes nothing.
+    /// Reads a scene's file, `.glb` or `.gltf`, and the files that it names in its folder. `go_on` may stop it. Runs on
+    /// the current rayon pool. The size of the pool does not change the result.
     ///
     /// # Errors
     /// [`SceneError`] if the file is not glTF 2.0, is too large or has no surface, and if `go_on` returns `false`.
@@ -47,7 +48,7 @@ impl Scene {
     /// Reads a scene that has all its bytes in one file.
     ///
     /// # Errors
-    /// As [`Scene::open`].
+    /// See [`Scene::open`].
     pub fn from_bytes(bytes: Vec<u8>, go_on: &GoOn<'_>) -> Result<Self, SceneError> {
         Self::of_container(Container::of_bytes(bytes, None)?, go_on)
     }
@@ -75,7 +76,7 @@ impl Scene {
     }
 }
 
-/// Notes about parts of a document that change surfaces and are not read.
+/// Notes about parts of a document that change surfaces but are not read.
 fn ignored(document: &Document, graph: &Graph) -> Vec<String> {
     let required = unknown(document.extensions_required.iter());
     let required = required.map(|name| format!("the scene requires {}, which is ignored", shown(name)));
@@ -83,7 +84,7 @@ fn ignored(document: &Document, graph: &Graph) -> Vec<String> {
     let of_nodes = document.nodes.iter().flat_map(|node| &node.weights);
     let mut weights = of_nodes.chain(document.meshes.iter().flat_map(|mesh| &mesh.weights));
     for (is_ignored, note) in [
-        (graph.is_instanced, "EXT_mesh_gpu_instancing: each mesh weighs as one instance"),
+        (graph.is_instanced, "EXT_mesh_gpu_instancing: each mesh counts as one instance"),
         (
             document.extensions_used.iter().any(|name| name == "KHR_materials_variants"),
             "variants of materials are ignored: each surface has its default material",
@@ -91,7 +92,7 @@ fn ignored(document: &Document, graph: &Graph) -> Vec<String> {
         (weights.any(|weight| *weight != 0.0), "morph targets are ignored"),
         (
             !document.skins.is_empty() || !document.animations.is_empty(),
-            "animations are ignored: meshes, cameras and materials are as the file describes them at rest",
+            "animations are ignored: meshes, cameras and materials are used in their rest pose",
         ),
     ] {
         notes.extend(is_ignored.then(|| note.to_owned()));
@@ -99,7 +100,7 @@ fn ignored(document: &Document, graph: &Graph) -> Vec<String> {
     notes
 }
 
-/// The materials of the primitives that are in the scene, and the default material last.
+/// The materials that primitives in the scene use, and the default material last.
 fn materials(
     document: &Document,
     graph: &Graph,

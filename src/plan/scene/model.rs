@@ -3,27 +3,27 @@
 use super::{error::SceneError, material::LobeKind};
 use crate::histogram::{Spot, Views};
 
-/// A lobe of a material, over all of the surface that has it.
+/// A lobe of a material, over all of the surface that has this lobe.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneLobe {
-    /// Its kind.
+    /// The kind of the lobe.
     pub kind: LobeKind,
-    /// Its roughnesses with their weights.
+    /// The roughnesses of the lobe with their weights.
     pub spots: Vec<Spot>,
-    /// The directions from which it is seen.
+    /// The directions from which the lobe is seen.
     pub views: Views,
     /// Reflectance at normal incidence and its weight: of dielectrics, then of metal.
     pub f0: Vec<[f64; 2]>,
 }
 
 impl SceneLobe {
-    /// Whether all of its roughnesses are isotropic, so that it has no direction along the surface.
+    /// Whether all roughnesses are isotropic, so that the lobe has no direction along the surface.
     #[must_use]
     pub fn is_isotropic(&self) -> bool {
         self.spots.iter().all(|spot| spot.ratio == 1.0)
     }
 
-    /// The area that has it, times its strength.
+    /// The area that has the lobe, times the lobe's strength.
     #[must_use]
     pub fn weight(&self) -> f64 {
         self.spots.iter().map(|spot| spot.weight).sum()
@@ -33,20 +33,20 @@ impl SceneLobe {
 /// A material of a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneMaterial {
-    /// Its name, or its number.
+    /// The material's name, or its number.
     pub name: String,
-    /// The area that has it; with cameras, the area that one of them sees.
+    /// The area that has the material; with cameras, the area that at least one of them sees.
     pub area: f64,
-    /// Its lobes.
+    /// The lobes of the material.
     pub lobes: Vec<SceneLobe>,
-    /// Its light that no table of one lobe covers.
+    /// The parts of the material's light that no table of one lobe covers.
     pub uncovered: Vec<String>,
 }
 
-/// A scene as a plan needs it.
+/// The parts of a scene that a plan needs.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Scene {
-    /// Its materials, in the order of the document.
+    /// The materials, in the order of the document.
     pub materials: Vec<SceneMaterial>,
     /// Triangles of all instances.
     pub triangles: u64,
@@ -63,7 +63,7 @@ impl Scene {
         materials.flat_map(|(index, material)| material.lobes.iter().map(move |lobe| (index, lobe)))
     }
 
-    /// The scene, unless no material has a lobe.
+    /// Returns the scene if a material has a lobe.
     pub(super) fn served(self) -> Result<Self, SceneError> {
         let is_empty = self.materials.iter().all(|material| material.lobes.is_empty());
         if is_empty { Err(SceneError::Empty) } else { Ok(self) }

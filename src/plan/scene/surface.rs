@@ -1,4 +1,4 @@
-//! Gathers the lobes of a scene's surface. Without cameras, a material without textures weighs as the area of its
+//! Gathers the lobes of a scene's surface. Without cameras, the weight of an untextured material is the area of its
 //! triangles. Other materials are read at points that are spread evenly over their surface.
 
 use std::ops::Range;
@@ -19,20 +19,20 @@ use super::{
 };
 use ltcforge_fit::{GoOn, math::recurrence4};
 
-/// Points at which materials are read: the error of a histogram is then below a part in a thousand.
+/// Number of points at which materials are read. The error of a histogram is then below 0.1 %.
 const POINTS: f64 = (1 << 20) as f64;
-/// More cameras than this see fewer points each.
+/// If there are more cameras, each sees fewer points.
 const FULL_CAMERAS: f64 = 16.0;
 const MOST_CAMERAS: u64 = 256;
-/// Points that a thread reads before it asks the caller whether to go on.
+/// Points that a thread reads before it asks the caller whether to continue.
 const POINTS_OF_PART: usize = 1 << 10;
-/// Triangles whose area a thread computes at once.
+/// Minimum number of triangles whose area a thread computes at once.
 const LEAST_AREAS: usize = 1 << 12;
-/// Points over the textures of a primitive whose triangles cannot be read.
+/// Number of points over the textures of a primitive whose triangles cannot be read.
 const POINTS_OF_BOX: usize = 256;
-/// Notes about meshes.
+/// Maximum number of notes about meshes.
 const MOST_NOTES: usize = 100;
-/// Elements of the accessors of all primitives, and triangles of all instances.
+/// Maximum number of elements in the accessors of all primitives, and of triangles of all instances.
 const MOST_CORNERS: u64 = 1 << 27;
 const MOST_TRIANGLES: u64 = 1 << 26;
 
@@ -40,16 +40,16 @@ const MOST_TRIANGLES: u64 = 1 << 26;
 struct Part<'a> {
     mesh: usize,
     primitive: &'a Primitive,
-    /// Its JSON pointer.
+    /// The JSON pointer of the primitive.
     place: String,
-    /// The index of its material.
+    /// The index of the primitive's material.
     slot: usize,
     material: &'a Shaded,
     worlds: &'a [DMat4],
 }
 
-/// The lobes of every instance of every mesh. `materials` has those of the document and then the default one, each if a
-/// primitive has it.
+/// Gathers the lobes of every instance of every mesh. `materials` has the document's materials and then the default
+/// material. A material that no primitive uses is `None`.
 pub(super) fn gather(
     document: &Document,
     buffers: &Buffers<'_>,
@@ -114,7 +114,7 @@ pub(super) fn gather(
                 }
                 let name = named(document.meshes[mesh].name.as_deref(), || mesh.to_string());
                 scene.notes.push(format!(
-                    "mesh {name}: {why}; its materials weigh as the surface of its box, with all of their textures, \
+                    "mesh {name}: {why}; its box is used instead, with the whole textures of its materials, \
                      seen from everywhere"
                 ));
                 scene.notes.truncate(MOST_NOTES);
@@ -136,7 +136,7 @@ fn areas(geometry: &Geometry, world: &DMat4) -> Vec<f64> {
     all.map(|triangle| geometry.area(triangle, world)).collect()
 }
 
-/// Gathers surface whose position is not known.
+/// Gathers a surface whose position is not known.
 fn gather_box(gathered: &mut Gathered, material: &Shaded, area: f64) {
     let points = if material.is_textured() { POINTS_OF_BOX } else { 1 };
     for number in 0..points {
@@ -156,7 +156,8 @@ struct Instance<'a> {
 }
 
 impl Instance<'_> {
-    /// Gathers its lobes, at one point for each `per_point` of area if they differ.
+    /// Gathers the lobes of the instance. If they vary or there are cameras, it reads one point per `per_point` of
+    /// area.
     fn gather(&self, gathered: &mut Gathered, per_point: f64, go_on: &GoOn<'_>) -> Result<(), SceneError> {
         SceneError::unless(go_on)?;
         let areas = areas(self.geometry, self.world);
@@ -183,7 +184,8 @@ impl Instance<'_> {
         Ok(())
     }
 
-    /// The lobes at some points. `step` is the area of each, `reached` the area of the triangles up to each.
+    /// The lobes at some points. `step` is the area of each point, `reached` the total area up to and including each
+    /// triangle.
     fn points(&self, numbers: Range<usize>, step: f64, reached: &[f64]) -> Gathered {
         let (mut found, mut views) = (Gathered::default(), Vec::new());
         let mut triangle = reached.partition_point(|reached| *reached < (numbers.start as f64 + 0.5) * step);

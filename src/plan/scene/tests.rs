@@ -44,8 +44,7 @@ fn surfaces_weigh_by_their_area_in_the_world_and_once_for_each_instance() {
     assert_eq!(scene.materials[0].name, "material 0");
 }
 
-/// Texels of a part of the image at each of four levels; the surface is a quad of texture coordinates from 0 to some
-/// end.
+/// The image has three levels. The surface is a quad whose texture coordinates run from 0 to the `end` of each case.
 #[test]
 fn texels_weigh_by_the_surface_that_they_cover() {
     // Left half of level 51, right half 204; the upper quarter of the image 255.
@@ -116,7 +115,7 @@ fn a_transform_of_a_texture_moves_what_is_covered() {
     );
 }
 
-/// A PNG of four channels, its left half of other texels than its right one.
+/// A PNG of four channels, with different texels in its left and its right half.
 fn halves(left: [u8; 4], right: [u8; 4]) -> Vec<u8> {
     let texels: Vec<u8> = (0..64 * 64).flat_map(|i| if i % 64 < 32 { left } else { right }).collect();
     let mut out = Vec::new();
@@ -197,7 +196,7 @@ fn textures_of_reflectance_and_of_sheen_count() {
 }
 
 #[test]
-fn anisotropy_is_along_the_tangent_and_coats_are_lobes_of_their_own() {
+fn anisotropy_is_along_the_tangent_and_coats_are_separate_lobes() {
     let mut glb = Glb::default();
     let brushed = glb.material(json!({
         "name": "brushed", "pbrMetallicRoughness": { "roughnessFactor": 0.4, "baseColorFactor": [0.5, 0.5, 0.5, 1] },
@@ -306,7 +305,7 @@ fn phi_is_from_the_axis_of_the_larger_roughness() {
         let brushed = glb.material(json!({ "extensions": { "KHR_materials_anisotropy": anisotropy } }));
         let mesh = glb.quad(Some(brushed));
         glb.node(json!({ "mesh": mesh, "scale": [0.1, 0.1, 1.0], "translation": [-0.05, -0.05, 0.0] }));
-        // It looks at the origin along x, from 45 degrees above.
+        // The camera looks at the origin along x, from 45 degrees above.
         let camera = glb.camera(json!({ "perspective": { "yfov": 1.0, "znear": 0.1 } }));
         let half = (0.125 * std::f64::consts::PI).sin();
         let up = (0.125 * std::f64::consts::PI).cos();
@@ -326,7 +325,7 @@ fn a_mesh_that_cannot_be_read_is_named_and_weighs_as_its_box() {
     glb.json["meshes"][mesh]["primitives"][0]["extensions"] = json!({ "KHR_draco_mesh_compression": {} });
     glb.node(json!({ "mesh": mesh, "scale": [2.0, 2.0, 1.0] }));
     let scene = scene(&glb);
-    // A flat box has the quad on both sides.
+    // A flat box counts the quad on both sides.
     assert!((scene.materials[0].area - 8.0).abs() < 1e-6, "{}", scene.materials[0].area);
     assert!(scene.notes[0].contains("KHR_draco_mesh_compression"), "{:?}", scene.notes);
     let mut textured = quad_scene(&checker(4, |_, _| 255), [1.0; 2], [10497; 2], &json!({}));

@@ -15,7 +15,7 @@ pub(super) type Channels = Arc<OnceLock<Pixels>>;
 #[derive(Debug)]
 pub(super) struct Sampled {
     pub(super) pixels: Channels,
-    /// The wrap modes of glTF; an image without any repeats.
+    /// The wrap modes of glTF. An image without a wrap mode repeats.
     pub(super) wrap: [Option<u32>; 2],
     /// The set of texture coordinates.
     pub(super) set: u32,
@@ -34,14 +34,14 @@ impl Sampled {
                 Some(MIRROR) => place.rem_euclid(2.0).min((-place).rem_euclid(2.0)),
                 _ => place.rem_euclid(1.0),
             };
-            // A coordinate that is not a number becomes the first texel.
+            // A coordinate that is not a number selects the first texel.
             ((wrapped * pixels.size[i] as f64) as usize).min(pixels.size[i] - 1)
         });
         pixels.at(texel)
     }
 }
 
-/// A level of a colour texture as light: the curve of sRGB [IEC 61966-2-1]. Domain: [0, 1].
+/// Converts a level of a colour texture to linear light, by the sRGB curve [IEC 61966-2-1]. Domain: [0, 1].
 pub(super) fn linear(level: f64) -> f64 {
     if level <= 0.040_45 { level / 12.92 } else { pow((level + 0.055) / 1.055, 2.4) }
 }

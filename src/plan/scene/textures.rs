@@ -1,5 +1,4 @@
-//! Reads the textures of materials. Images wait until some are decoded together, on all threads and within bounds of
-//! memory.
+//! Reads the textures of materials. Images are collected and decoded together, on all threads and within memory limits.
 
 use std::collections::BTreeMap;
 
@@ -16,16 +15,16 @@ use super::{
 };
 use ltcforge_fit::{GoOn, math::sin_cos};
 
-/// Bytes of images that wait together. Their pixels are at most those of one image.
+/// Maximum bytes of images that wait together. All waiting images have at most as many pixels as one image may have.
 const MOST_BYTES_WAITING: usize = 64 << 20;
 
-/// Pixels of one image, and of all images, in a scene with its files.
+/// Maximum number of pixels of one image, and of all images, in a scene that may name files.
 const OF_FILES: [u64; 2] = [MOST_PIXELS, 1 << 28];
-/// The same in a scene of one file, which a service may have received. Three channels of all, and one image of four channels
-/// while it is decoded, take 208 MiB.
+/// Like [`OF_FILES`], for a scene of one file, which a service may have received. Three channels of all images, and
+/// four channels of one image during decoding, take 208 MiB.
 const OF_ONE_FILE: [u64; 2] = [1 << 24, 3 << 24];
 
-/// An image that waits.
+/// An image that waits to be decoded.
 struct Waiting {
     pointer: String,
     bytes: Vec<u8>,
@@ -39,11 +38,11 @@ pub(super) struct Textures<'a> {
     buffers: &'a Buffers<'a>,
     container: &'a mut Container,
     go_on: &'a GoOn<'a>,
-    /// The most pixels of one image, and of all images.
+    /// Maximum number of pixels of one image, and of all images.
     most: [u64; 2],
     /// Channels of images that several textures may share, or why they are missing.
     kept: BTreeMap<(usize, &'static [usize]), Result<Channels, String>>,
-    /// Pixels and bytes of all images. Several images may have the same bytes.
+    /// Pixels and bytes of all images so far. Images that share their bytes are counted separately.
     pixels: u64,
     bytes: u64,
     waiting: Vec<Waiting>,
@@ -118,7 +117,7 @@ impl<'a> Textures<'a> {
         Ok(into)
     }
 
-    /// Decodes the images that wait. Runs on the current rayon pool, whose size changes nothing.
+    /// Decodes the images that wait. Runs on the current rayon pool. The size of the pool does not change the result.
     pub(super) fn finish(&mut self) -> Result<(), SceneError> {
         (self.waiting_pixels, self.waiting_bytes) = (0, 0);
         let one = |Waiting { pointer, bytes, wanted, into }: Waiting| {

@@ -1,7 +1,7 @@
 //! The scope that each call needs, and the token of a request.
 //!
-//! Invariant: if the service has tokens, every request needs one, except on paths of [`is_open`]. This includes clients
-//! on this machine, because one of them may be a proxy.
+//! Invariant: if the service has tokens, every request needs one, except on paths of [`is_open`]. This includes
+//! requests from this machine, because a proxy may have sent them.
 
 use std::sync::Arc;
 
@@ -13,20 +13,20 @@ use super::{
     tokens::{Scope, Token, Tokens},
 };
 
-/// Paths without a token: probes, and the files of the page, because browsers send no token with links or scripts.
+/// Paths that need no token: probes, and the files of the page, because browsers send no token with links or scripts.
 pub(super) fn is_open(path: &str) -> bool {
     ["/healthz", "/readyz", "/"].contains(&path) || path.starts_with("/page/")
 }
 
-/// The token of a request, as one of its extensions.
+/// The token of an accepted request. Handlers get it from the request's extensions.
 #[derive(Debug, Clone)]
 pub(super) struct Caller(pub(super) Arc<Token>);
 
-/// The scope that a call needs. Other calls need `admin`, because they delete things that others may use.
+/// The scope that a call needs. Calls that delete tables or BRDFs need `admin`, because other users may need the files.
 fn needed(method: &Method, path: &str) -> Scope {
     match *method {
         Method::GET | Method::HEAD => Scope::Read,
-        // The response depends on the body only, and nothing is stored.
+        // The response depends only on the body, and nothing is stored.
         Method::POST if ["/v1/recipes", "/v1/plans"].contains(&path) => Scope::Read,
         Method::POST => Scope::Submit,
         Method::DELETE if path.starts_with("/v1/jobs/") => Scope::Submit,
@@ -34,7 +34,7 @@ fn needed(method: &Method, path: &str) -> Scope {
     }
 }
 
-/// The secret in `Authorization: Bearer SECRET`, if the request has exactly one such field.
+/// The secret in `Authorization: Bearer SECRET`, if the request has exactly one `Authorization` field.
 fn secret(headers: &HeaderMap) -> Option<&[u8]> {
     let mut fields = headers.get_all(header::AUTHORIZATION).iter();
     let field = fields.next().filter(|_| fields.next().is_none())?.as_bytes();
@@ -45,7 +45,7 @@ fn secret(headers: &HeaderMap) -> Option<&[u8]> {
 /// Checks the token of a request. Returns the caller, or `None` if no token is needed.
 ///
 /// # Errors
-/// 401 without a known token, 403 if its scope is too small.
+/// 401 if the token is missing or unknown, 403 if its scope does not allow the call.
 pub(super) fn admit(
     tokens: &Tokens,
     method: &Method,
@@ -114,14 +114,14 @@ mod tests {
             let bearer = [read, submit, admin].map(|secret| format!("Bearer {secret}"));
             let with = [&[][..], &[bearer[0].as_str()], &[bearer[1].as_str()], &[bearer[2].as_str()]];
             assert_eq!(with.map(|fields| status(&tokens, call, fields)), statuses, "{call:?}");
-            assert_eq!(status(&Tokens::default(), call, &[]), None, "without tokens anyone may");
+            assert_eq!(status(&Tokens::default(), call, &[]), None, "without tokens, anyone may call");
         }
         let call = (&Method::GET, "/v1/jobs");
-        assert_eq!(status(&tokens, call, &[&format!("bearer  {read}")]), None, "the scheme has no case");
+        assert_eq!(status(&tokens, call, &[&format!("bearer  {read}")]), None, "the scheme is case-insensitive");
         for refused in [format!("Basic {read}"), read.clone(), format!("Bearer {read}x"), "Bearer ".to_owned()] {
             assert_eq!(status(&tokens, call, &[&refused]), Some(401), "{refused}");
         }
         let twice = format!("Bearer {read}");
-        assert_eq!(status(&tokens, call, &[&twice, &twice]), Some(401), "two fields name nobody");
+        assert_eq!(status(&tokens, call, &[&twice, &twice]), Some(401), "two fields are rejected");
     }
 }

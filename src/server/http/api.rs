@@ -12,7 +12,7 @@ use tokio::sync::{Semaphore, watch};
 use super::{error, problem::Problem, tokens::TokenFile};
 use crate::service::Service;
 
-/// Maximum number of files that are read at the same time. A table can have 100 MB.
+/// Maximum number of files that are read at the same time. A table can take 100 MB.
 pub(super) const READS: usize = 4;
 /// Maximum number of scenes and BRDFs that are received and decoded at the same time.
 pub(super) const UPLOADS: usize = 2;
@@ -52,8 +52,8 @@ impl From<ApiState> for Api {
 }
 
 impl Api {
-    /// As [`Self::call`], for a call that reads a whole file. At most [`READS`] run at the same time. A client that
-    /// disconnects stops waiting.
+    /// Like [`Self::call`], for calls that read a whole file. At most [`READS`] of them run at the same time. A call
+    /// stops waiting for its turn if its client disconnects.
     pub(super) async fn read<T, E>(
         &self,
         use_case: impl FnOnce(&Service) -> Result<T, E> + Send + 'static,
@@ -62,7 +62,7 @@ impl Api {
         T: Send + 'static,
         E: Into<Problem> + Send + 'static,
     {
-        // The semaphore is never closed. The call keeps its permit until it ends, even if the client has left.
+        // The semaphore is never closed. The call keeps its permit until it ends, even if the client disconnects.
         let room = Arc::clone(&self.reads).acquire_owned().await.ok();
         let in_room = move |service: &Service| {
             let read = use_case(service);

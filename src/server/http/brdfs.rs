@@ -24,7 +24,7 @@ const MEDIA_TYPE: &str = "application/octet-stream";
 pub(super) async fn store(State(api): State<Api>, _: NoQuery, request: Request) -> Answer {
     check_type(request.headers(), MEDIA_TYPE).map_err(|given| other_type(&given, MEDIA_TYPE))?;
     let untagged = check_untagged(request.headers());
-    let (bytes, place) = read_upload(request, &api, "the file of a BRDF", TABULATED_LIMIT_BYTES).await?;
+    let (bytes, place) = read_upload(request, &api, "a BRDF file", TABULATED_LIMIT_BYTES).await?;
     untagged?;
     let store = move |service: &crate::service::Service| {
         let stored = service.store_brdf(&bytes);

@@ -32,7 +32,7 @@ use super::{
 /// `Retry-After` if too many requests are being served.
 const RETRY: Duration = Duration::from_secs(2);
 
-/// Header fields of every response, unless the handler sets them: no sniffing, scripts, frames or referrers.
+/// Header fields of every response, unless the handler sets them. They forbid sniffing, scripts, frames and referrers.
 const FIELDS: [(HeaderName, &str); 4] = [
     (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
     (header::CONTENT_SECURITY_POLICY, "default-src 'none'; frame-ancestors 'none'"),
@@ -42,7 +42,7 @@ const FIELDS: [(HeaderName, &str); 4] = [
 
 /// The response to a CORS preflight request of an allowed origin. Browsers may cache it for ten minutes.
 const PREFLIGHT: [(HeaderName, &str); 3] = [
-    (header::ACCESS_CONTROL_ALLOW_METHODS, "GET, HEAD, POST, PUT, DELETE"),
+    (header::ACCESS_CONTROL_ALLOW_METHODS, "GET, HEAD, POST, DELETE"),
     (
         header::ACCESS_CONTROL_ALLOW_HEADERS,
         "Authorization, Content-Type, If-Match, If-None-Match, If-Range, Last-Event-ID, Range, X-Request-Id",
@@ -69,7 +69,7 @@ pub(super) struct Doors {
     pub(super) limit: usize,
 }
 
-/// The layer. At the default log level there is no line per request. Other lines have the span of their request.
+/// The layer. At the default log level it logs nothing. The log lines of a request contain its span.
 pub(super) async fn pass(State(doors): State<Arc<Doors>>, request: Request, next: Next) -> Response {
     let id = given_id(request.headers()).unwrap_or_else(new_id);
     // A client may have put its token into the URI by mistake.
@@ -90,7 +90,7 @@ pub(super) async fn pass(State(doors): State<Arc<Doors>>, request: Request, next
     for (name, value) in FIELDS {
         fields.entry(name).or_insert(HeaderValue::from_static(value));
     }
-    // All characters of an id are allowed in a field.
+    // All characters of an id are allowed in a header field.
     fields.insert(REQUEST_ID, HeaderValue::from_str(&id).unwrap_or(HeaderValue::from_static("-")));
     if doors.origins.allows_any() {
         fields.append(header::VARY, HeaderValue::from_static("Origin"));
@@ -128,7 +128,7 @@ impl Doors {
         {
             return problem.into_response();
         }
-        // Shared caches must not store a response for one caller.
+        // Shared caches must not store responses that need a token.
         if !tokens.is_empty()
             && let Some(field) = response.headers_mut().get_mut(header::CACHE_CONTROL)
             && let Some(rest) = field.to_str().ok().and_then(|text| text.strip_prefix("public"))
@@ -139,7 +139,7 @@ impl Doors {
         response
     }
 
-    /// A permit for a concurrent request.
+    /// A permit to serve one more request.
     fn place(&self) -> Result<tokio::sync::SemaphorePermit<'_>, Problem> {
         self.requests.try_acquire().map_err(|_| {
             let limit = self.limit;
@@ -149,7 +149,8 @@ impl Doors {
     }
 }
 
-/// The request id of a request, if there is exactly one and it is short and consists of letters, digits and `-_.`.
+/// The id in `X-Request-Id`, if there is exactly one such field, and the id is short and has only letters, digits
+/// and `-_.`.
 fn given_id(headers: &HeaderMap) -> Option<String> {
     let mut fields = headers.get_all(REQUEST_ID).iter();
     let id = fields.next().filter(|_| fields.next().is_none())?.to_str().ok()?;
@@ -157,7 +158,7 @@ fn given_id(headers: &HeaderMap) -> Option<String> {
     ((1..=LONGEST_ID).contains(&id.len()) && id.bytes().all(is_plain)).then(|| id.to_owned())
 }
 
-/// A unique id: a random part for the process, and a counter.
+/// A unique id: a random number of this process, and a counter.
 fn new_id() -> String {
     static PROCESS: LazyLock<u64> = LazyLock::new(|| RandomState::new().build_hasher().finish());
     static COUNT: AtomicU64 = AtomicU64::new(0);

@@ -1,4 +1,4 @@
-//! Converts errors of the layers below to problems. This is the only table from errors to problem types.
+//! Converts errors of the layers below to problems. Only this module maps errors to problem types.
 
 use std::{fmt, time::Duration};
 
@@ -16,42 +16,42 @@ use ltcforge_files::{
 };
 use ltcforge_view::parameters::ParameterFault;
 
-/// `Retry-After` of a stopping service, which may be restarted by then.
+/// `Retry-After` of a service that is stopping. It may have restarted by then.
 const RESTART: Duration = Duration::from_secs(5);
 
-/// The problem of a service that is stopping.
+/// The problem when the service is stopping.
 pub(super) fn stopping() -> Problem {
     Problem::new(ProblemKind::Stopping, "the service is stopping").with_retry_after(RESTART)
 }
 
-/// The problem of a service whose database or storage does not work.
+/// The problem when the database or the storage is unavailable.
 pub(super) fn unavailable(fault: String) -> Problem {
     Problem::new(ProblemKind::Unavailable, fault).with_retry_after(RESTART)
 }
 
-/// The problem of a machine that is temporarily short of a resource.
+/// The problem when the machine is temporarily short of a resource.
 pub(super) fn lacking(detail: String) -> Problem {
     tracing::warn!("{detail}");
     Problem::new(ProblemKind::Lacking, detail).with_retry_after(RESTART)
 }
 
-/// The problem of an internal error. Its text is only in the log.
+/// The problem for an internal error. The error's text appears only in the log.
 pub(super) fn internal(error: &dyn fmt::Display) -> Problem {
     tracing::error!("internal error: {error}");
     Problem::new(ProblemKind::Internal, "internal error; see the log of the service")
 }
 
-/// A wrong value in a path or query.
+/// The problem for an invalid value in a path or query.
 pub(super) fn bad_parameter(error: &dyn fmt::Display) -> Problem {
     Problem::new(ProblemKind::BadParameter, error.to_string())
 }
 
-/// The problem of faults in the parameters of a picture. `kind` depends on the picture.
+/// The problem for faults in the parameters of a picture. `kind` depends on the picture.
 pub(super) fn bad_parameters(kind: ProblemKind, faults: Vec<ParameterFault>) -> Problem {
     with_faults(kind, "parameters", faults)
 }
 
-/// A problem with all faults of `place`.
+/// A problem that lists the faults found in `place`.
 fn with_faults<T: Serialize>(kind: ProblemKind, place: &str, faults: Vec<T>) -> Problem {
     let count = if faults.len() == 1 { "1 fault".to_owned() } else { format!("{} faults", faults.len()) };
     Problem::new(kind, format!("{count} in the {place}")).with_errors(faults)

@@ -10,7 +10,7 @@ use super::{kind::ProblemKind, problem::Problem};
 pub(super) struct EntityTag(String);
 
 impl EntityTag {
-    /// The tag of a representation with a unique name without quotes.
+    /// The tag of a representation. `name` is unique and contains no quotes.
     pub(super) fn strong(name: impl std::fmt::Display) -> Self {
         Self(format!("\"{name}\""))
     }
@@ -56,8 +56,8 @@ impl EntityTag {
     }
 }
 
-/// Checks `If-Match` for a resource without an entity tag. Only `*` matches. Calls that change something check this
-/// first.
+/// Checks `If-Match` for a resource without an entity tag. Only `*` matches. Calls that change data check this before
+/// the change.
 ///
 /// # Errors
 /// 412 if `If-Match` lists an entity tag.

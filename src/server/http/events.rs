@@ -1,7 +1,7 @@
 //! A job's changes as Server-Sent Events.
 //!
 //! The first event is the current job, unless `Last-Event-ID` says that the client has it. The name of an event is
-//! `state` if the state changed, otherwise `progress`. Its id is the sequence number of the snapshot, its data the job.
+//! `state` if the state changed, otherwise `progress`. Its id is the snapshot's sequence number. Its data is the job.
 //! The stream ends after a final state, when the server stops, and when the client's token is revoked. A client that
 //! has the final state gets 204, after which an `EventSource` does not reconnect.
 
@@ -85,7 +85,7 @@ struct Follower {
     last: Option<u64>,
     /// State in the last snapshot that was sent on this connection.
     state: Option<StateName>,
-    /// When this snapshot was sent.
+    /// When the last snapshot was sent.
     sent_at: Option<Instant>,
 }
 
@@ -100,7 +100,7 @@ impl Follower {
         self.caller.as_ref().is_some_and(|Caller(token)| !self.tokens.current().contains(token))
     }
 
-    /// The events. The stream keeps its place among the open streams.
+    /// The stream of events. It holds a permit until it ends.
     fn events(self, place: OwnedSemaphorePermit) -> impl Stream<Item = Result<Event, Infallible>> {
         stream::unfold((self, place), async |(mut follower, place)| {
             let snapshot = follower.next().await?;
@@ -109,7 +109,7 @@ impl Follower {
         })
     }
 
-    /// The next snapshot that the client does not have; `None` at the end.
+    /// The next snapshot that the client does not have; `None` when the stream ends.
     async fn next(&mut self) -> Option<JobSnapshot> {
         if let Some(sent) = self.sent_at {
             sleep_until(sent + MIN_INTERVAL).await;
@@ -119,7 +119,7 @@ impl Follower {
                 return None;
             }
             let snapshot = self.latest.borrow_and_update().clone();
-            // Any different number is new, not only a greater one: the clock may have been set back between two starts.
+            // A smaller number can be new too, because the clock may have been set back before the last start.
             if self.last != Some(snapshot.sequence) {
                 self.last = Some(snapshot.sequence);
                 self.sent_at = Some(Instant::now());

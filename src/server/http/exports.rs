@@ -21,7 +21,7 @@ use crate::service::{ExportedFile, MadeExport};
 use ltcforge_files::digest::Digest;
 use ltcforge_textures::Export;
 
-/// The parameters of a path: a table, possibly an export, and possibly the path of a file.
+/// The parameters of a path: a table, and optionally an export and the path of a file.
 pub(super) struct Address {
     table: Digest,
     export: Option<Export>,
@@ -45,7 +45,7 @@ impl<S: Send + Sync> FromRequestParts<S> for Address {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct FileParameters {
-    /// The digest that the client expects of the file.
+    /// The digest that the client expects the file to have.
     digest: Option<Digest>,
 }
 
@@ -63,7 +63,7 @@ pub(super) async fn list(State(api): State<Api>, asked: Asked, Address { table, 
 pub(super) async fn show(State(api): State<Api>, asked: Asked, address: Address) -> Answer {
     let (table, export, made) = made(&api, &address).await?;
     let file = |file: &ExportedFile| {
-        // This address only ever serves these bytes.
+        // This URL never serves other bytes.
         let url = format!("{}/{}?digest={}", url(table, export), file.path, file.digest);
         let ExportedFile { path, bytes, digest, rounding } = file;
         json!({ "path": path, "bytes": bytes.len(), "digest": digest, "url": url, "rounding": rounding })
@@ -90,7 +90,7 @@ pub(super) async fn file(
     let ExportedFile { path, bytes, digest, .. } = file;
     if let Some(wanted) = wanted.filter(|wanted| wanted != digest) {
         let version = env!("CARGO_PKG_VERSION");
-        let detail = format!("ltcforge {version} makes this file with the digest {digest}, not {wanted}");
+        let detail = format!("the file that ltcforge {version} exports has the digest {digest}, not {wanted}");
         return Err(Problem::new(ProblemKind::OtherBytes, detail));
     }
     let caching = if wanted.is_some() { FOREVER } else { ONE_DAY };

@@ -1,4 +1,4 @@
-//! Path parameters, query strings and bodies. The problem of a malformed value names the value and the allowed form.
+//! Path parameters, query strings and bodies. The problem for a malformed value shows the value and the allowed form.
 
 use std::{fmt::Display, str::FromStr, sync::Arc};
 
@@ -40,7 +40,7 @@ impl<S: Send + Sync, T: FromStr<Err: Display>> FromRequestParts<S> for PathOf<T>
     }
 }
 
-/// A query string without unknown or malformed parameters. `Vec<(String, String)>` takes any pairs.
+/// A query string without unknown or malformed parameters. `Vec<(String, String)>` accepts any parameters.
 pub(super) struct QueryOf<T>(pub(super) T);
 
 impl<S: Send + Sync, T: DeserializeOwned> FromRequestParts<S> for QueryOf<T> {
@@ -61,7 +61,7 @@ pub(super) type NoQuery = QueryOf<NoParameters>;
 #[serde(deny_unknown_fields)]
 pub(super) struct NoParameters {}
 
-/// A call without parameters.
+/// The method and header fields of a call without parameters.
 #[derive(Debug, Default)]
 pub(super) struct Asked {
     pub(super) method: Method,
@@ -80,7 +80,7 @@ impl<S: Send + Sync> FromRequestParts<S> for Asked {
     }
 }
 
-/// `limit`: items on a page.
+/// The parameter `limit`: the number of items on a page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(try_from = "String")]
 pub(super) struct PageLimit(pub(super) usize);
@@ -114,15 +114,14 @@ impl FromRequest<Api> for RecipeBody {
     }
 }
 
-/// The content types that [`check_json`] accepts.
+/// The content types to send, for error messages. [`check_json`] also accepts the form type of `curl -d`.
 pub(super) const JSON: &str = "application/json, application/*+json or no content type";
 
-/// Accepts JSON media types, no content type, and `application/x-www-form-urlencoded`, the default of `curl -d`. A page
-/// of another site can send this default without a preflight request, so a request with an `Origin` must have a JSON
-/// media type.
+/// Accepts JSON media types, no content type, and `application/x-www-form-urlencoded`, the default of `curl -d`. Pages
+/// of other sites can send a form without a preflight request, so a form with an `Origin` field is rejected.
 ///
 /// # Errors
-/// The content type.
+/// The rejected content type.
 pub(super) fn check_json(headers: &HeaderMap) -> Result<(), String> {
     let Some(value) = headers.get(header::CONTENT_TYPE) else { return Ok(()) };
     let media_type = value.to_str().unwrap_or_default().split(';').next().unwrap_or_default().trim();
@@ -133,10 +132,10 @@ pub(super) fn check_json(headers: &HeaderMap) -> Result<(), String> {
     }
 }
 
-/// Accepts only one media type. A page of another site cannot send it without a preflight request.
+/// Accepts only `media_type`. Pages of other sites cannot send it without a preflight request.
 ///
 /// # Errors
-/// The content type.
+/// The rejected content type.
 pub(super) fn check_type(headers: &HeaderMap, media_type: &str) -> Result<(), String> {
     match headers.get(header::CONTENT_TYPE) {
         Some(value) if value.as_bytes().eq_ignore_ascii_case(media_type.as_bytes()) => Ok(()),
@@ -145,7 +144,7 @@ pub(super) fn check_type(headers: &HeaderMap, media_type: &str) -> Result<(), St
     }
 }
 
-/// The problem of a body with another content type.
+/// The problem for a body with another content type.
 pub(super) fn other_type(given: &str, allowed: &str) -> Problem {
     Problem::new(ProblemKind::NotJsonType, format!("the content type is {given}; send {allowed}"))
 }
@@ -165,11 +164,11 @@ pub(super) async fn read_upload(
     Ok((read_body(request, api, what, limit_bytes).await?, place))
 }
 
-/// Reads the body of a request. `what` names it in errors. If the announced length is too large, a client that waits
-/// for `100 Continue` sends nothing. Other clients read the response only after they have sent the body, so it is read
-/// and dropped.
+/// Reads the body of a request. Errors call the body `what`. If `Content-Length` is too large, a client that waits for
+/// `100 Continue` does not send the body. Other clients read the response only after they have sent the body, so the
+/// body is read and dropped.
 async fn read_body(mut request: Request, api: &Api, what: &str, limit_bytes: u64) -> Result<Bytes, Problem> {
-    let too_large = || Problem::new(ProblemKind::BodyTooLarge, format!("{what} takes at most {limit_bytes} bytes"));
+    let too_large = || Problem::new(ProblemKind::BodyTooLarge, format!("{what} may have at most {limit_bytes} bytes"));
     if request.headers().typed_get::<ContentLength>().is_some_and(|length| length.0 > limit_bytes) {
         if !request.headers().contains_key(header::EXPECT) {
             let mut parts = request.into_body().into_data_stream();

@@ -38,7 +38,7 @@ pub(super) struct File {
     pub(super) media_type: &'static str,
     /// The value of `Cache-Control`.
     pub(super) caching: &'static str,
-    /// The name for saving the file, without characters that need quoting; `None` if browsers should show the file.
+    /// The file name for downloads, without characters that need quoting; `None` if browsers should show the file.
     pub(super) name: Option<String>,
 }
 
@@ -50,7 +50,7 @@ impl File {
         Ok(Self { digest, bytes, media_type: "application/json", caching: ONE_DAY, name: None })
     }
 
-    /// Responds with the file, a range of it, or 304. Conditions are evaluated in the order of RFC 9110, section 13.2.2.
+    /// Responds with the file, a range of it, or 304. Evaluates conditions in the order of RFC 9110, section 13.2.2.
     pub(super) fn respond(self, method: &Method, headers: &HeaderMap) -> Answer {
         let tag = EntityTag::strong(self.digest);
         tag.check_if_match(headers)?;
@@ -98,8 +98,8 @@ fn sha_256(digest: Digest) -> String {
     format!("sha-256=:{}:", STANDARD.encode(digest.as_bytes()))
 }
 
-/// The range of a file of `length` bytes in a `Range` field. Empty if it is outside of the file. `None` if the field is
-/// not exactly one valid byte range; a server may then ignore it.
+/// The bytes that a `Range` field requests from a file of `length` bytes. The result is empty if they are outside of
+/// the file. It is `None` if the field is not exactly one valid byte range; a server may ignore such a field.
 fn one_range(field: &str, length: usize) -> Option<Range<usize>> {
     let (unit, range) = field.split_once('=')?;
     let (first, last) = range.trim().split_once('-').filter(|_| unit.eq_ignore_ascii_case("bytes"))?;
@@ -152,7 +152,7 @@ pub(super) async fn stored(api: &Api, kind: FileKind, digest: Digest, asked: &As
     File { digest, bytes, media_type, caching: FOREVER, name: Some(name) }.respond(&asked.method, &asked.headers)
 }
 
-/// The problem of a table that is not stored. If a known job made it, the problem contains the recipe.
+/// The problem for a table that is not stored. If a known job fitted the table, the problem contains its recipe.
 pub(super) async fn absent(api: &Api, digest: Digest) -> Problem {
     match api.call(move |service| service.job_of_table(digest)).await {
         Err(problem) => problem,
@@ -255,7 +255,7 @@ mod tests {
         assert_eq!(response.headers()["content-digest"], "sha-256=:EUvRUfj7DFhkLSFw2krn18V5dyYKwsyJBTBsq2sqyrw=:");
         assert_eq!(response.headers()["repr-digest"], get(&[]).headers()["repr-digest"]);
         assert_eq!(body(response).await, "234");
-        assert!(!request(&Method::HEAD, &[]).headers().contains_key("content-digest"), "it carries no content");
+        assert!(!request(&Method::HEAD, &[]).headers().contains_key("content-digest"), "HEAD has no content");
 
         let response = get(&[(header::RANGE, "bytes=10-")]);
         assert_eq!(response.status(), 416);

@@ -71,14 +71,14 @@ pub(super) async fn show(State(api): State<Api>, _: NoQuery, PathOf(id): PathOf<
 /// `DELETE /v1/jobs/{id}`.
 pub(super) async fn cancel(State(api): State<Api>, asked: Asked, PathOf(id): PathOf<JobId>) -> Answer {
     if let Err(problem) = check_untagged(&asked.headers) {
-        // If the job does not exist, the response is 404 whatever the condition.
+        // If the job does not exist, the response is 404 even if the condition fails.
         return Err(api.call(move |service| service.job(id)).await?.map_or_else(|| unknown(id), |_| problem));
     }
     let snapshot = api.call(move |service| service.cancel(id, asked.by.as_deref())).await?;
     answer(&snapshot.ok_or_else(|| unknown(id))?)
 }
 
-/// The problem of an unknown job id.
+/// The problem for an unknown job id.
 pub(super) fn unknown(id: JobId) -> Problem {
     Problem::new(ProblemKind::UnknownJob, format!("no job has the id {id}"))
 }

@@ -1,4 +1,4 @@
-//! The types of problems: the only table from a type to its status and title.
+//! The types of problems. Only this table maps a type to its status and title.
 
 use axum::http::StatusCode;
 
@@ -49,7 +49,7 @@ problem_kinds! {
     UnknownExport: NOT_FOUND, "unknown-export", "There is no such export";
     UnknownFile: NOT_FOUND, "unknown-file", "The export has no such file";
     OtherBytes: CONFLICT, "other-bytes", "The file has another digest";
-    CannotExport: UNPROCESSABLE_ENTITY, "cannot-export", "The table cannot be exported in this form";
+    CannotExport: UNPROCESSABLE_ENTITY, "cannot-export", "The table does not support this export";
     MethodNotAllowed: METHOD_NOT_ALLOWED, "method-not-allowed", "The path does not allow this method";
     SlowRequest: REQUEST_TIMEOUT, "slow-request", "The request took too long to arrive";
     PreconditionFailed: PRECONDITION_FAILED, "precondition-failed", "The condition If-Match does not hold";
@@ -65,7 +65,7 @@ problem_kinds! {
     DamagedBlob: INTERNAL_SERVER_ERROR, "damaged-blob", "The stored table is damaged";
     DiskFull: INSUFFICIENT_STORAGE, "disk-full", "The disk is full";
     Storage: INTERNAL_SERVER_ERROR, "storage", "The storage failed";
-    Unavailable: SERVICE_UNAVAILABLE, "unavailable", "The storage is not available now";
+    Unavailable: SERVICE_UNAVAILABLE, "unavailable", "The storage is temporarily unavailable";
     FitFailed: INTERNAL_SERVER_ERROR, "fit-failed", "The fit failed";
     Internal: INTERNAL_SERVER_ERROR, "internal", "The service failed";
 }

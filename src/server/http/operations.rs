@@ -37,7 +37,7 @@ pub(super) async fn metrics(State(api): State<Api>, _: NoQuery) -> Result<Respon
     Ok(([(header::CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], exposition(&metrics)).into_response())
 }
 
-/// `GET /version`. `fitter` rises whenever the same recipe gives other bytes.
+/// `GET /version`. `fitter` increases when a new version fits different bytes from the same recipe.
 pub(super) async fn version(_: NoQuery) -> Json<Value> {
     Json(json!({ "name": "ltcforge", "version": env!("CARGO_PKG_VERSION"), "fitter": FITTER_VERSION }))
 }
@@ -61,14 +61,14 @@ fn exposition(metrics: &Metrics) -> String {
     let jobs: Vec<_> = metrics.jobs.iter().map(|(state, count)| label("state", state.text(), *count)).collect();
     add("jobs", "gauge", "Jobs by state.", &jobs);
     let shards = [label("state", "waiting", metrics.shards.waiting), label("state", "leased", metrics.shards.leased)];
-    add("queue_shards", "gauge", "Shards of unfinished jobs, of all processes that share the queue.", &shards);
+    add("queue_shards", "gauge", "Shards of unfinished jobs, for all processes that share the queue.", &shards);
     let PictureCounts { done, failed, given_up, refused } = metrics.pictures;
     let pictures = [("done", done), ("failed", failed), ("given_up", given_up), ("refused", refused)];
     let pictures = pictures.map(|(outcome, count)| label("outcome", outcome, count));
     add("pictures_total", "counter", "Pictures since the start, except those served from memory.", &pictures);
     let milli = |seconds: f64| (seconds * 1000.0).round() / 1000.0;
     for (name, kind, help, value) in [
-        ("queue_core_seconds", "gauge", "Predicted seconds of one core for the queue.", milli(metrics.core_seconds)),
+        ("queue_core_seconds", "gauge", "Predicted core-seconds of the queued work.", milli(metrics.core_seconds)),
         (
             "queue_oldest_seconds",
             "gauge",
@@ -80,12 +80,7 @@ fn exposition(metrics: &Metrics) -> String {
         ("leases_expired_total", "counter", "Leases that expired since the start.", metrics.leases_expired as f64),
         ("exports_total", "counter", "Exports made since the start.", metrics.exports_made as f64),
         ("files_removed_total", "counter", "Tables evicted since the start.", metrics.files_removed as f64),
-        (
-            "blobs_corrupt_total",
-            "counter",
-            "Blobs found damaged or missing since the start.",
-            metrics.blobs_corrupt as f64,
-        ),
+        ("blobs_corrupt_total", "counter", "Stored files found damaged since the start.", metrics.blobs_corrupt as f64),
         ("tables", "gauge", "Tables in the catalogue.", metrics.tables as f64),
         ("table_bytes", "gauge", "Bytes of all tables.", metrics.table_bytes as f64),
     ] {

@@ -1,9 +1,9 @@
 //! The host names that the service answers to, and the web pages whose requests it accepts.
 //!
-//! Browsers let any page send requests to any address. `Host` is the name in the request's address. An attacker can let
-//! their own name resolve to this machine, so that their pages look like pages of the service (DNS rebinding). `Origin`
-//! is the site of the page that sends the request. `Host` may always be `localhost` or an IP address, because rebinding
-//! needs a name.
+//! Browsers let any page send requests to any address. `Host` is the host name in the request's address. Attackers can
+//! make their own host name resolve to this machine, so that their pages look like pages of the service (DNS
+//! rebinding). `Origin` is the site of the page that sends the request. `Host` may always be `localhost` or an IP
+//! address, because rebinding needs a host name of the attacker.
 
 use std::{net::IpAddr, str::FromStr};
 
@@ -17,13 +17,13 @@ use super::{kind::ProblemKind, problem::Problem};
 /// Host names and origins that are allowed in addition to the service's own.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Origins {
-    /// Names by which clients may call the service.
+    /// Host names that clients may use for the service.
     pub hosts: Vec<AllowedHost>,
     /// Origins of web pages that may send requests.
     pub origins: Vec<AllowedOrigin>,
 }
 
-/// A name in lower case, with a port if only that port is allowed.
+/// A host name in lower case, with a port if only this port is allowed.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct AllowedHost(String);
 
@@ -77,7 +77,7 @@ impl Origins {
             return Err(Problem::new(ProblemKind::BadRequest, "the request has more than one Origin field"));
         }
         let text = String::from_utf8_lossy(origin.as_bytes()).to_ascii_lowercase();
-        // A page of the service itself, or of a proxy in front of it.
+        // The page comes from the service itself, or from a proxy in front of it.
         let is_own = host.is_some_and(|host| [format!("http://{host}"), format!("https://{host}")].contains(&text));
         if is_own || self.allows(origin) {
             return Ok(());
@@ -88,8 +88,9 @@ impl Origins {
         Err(Problem::new(ProblemKind::ForeignOrigin, detail))
     }
 
-    /// Rejects requests that embed an image or another file in a page of another site. Browsers send no `Origin` with
-    /// them, but the fields `Sec-Fetch-*`. Links to the service are allowed, and so are pages of allowed origins.
+    /// Rejects requests that embed an image or another file in a page of another site. Browsers send
+    /// `Sec-Fetch-*` fields with these requests, but no `Origin`. Any page may link to the service. Pages of allowed
+    /// origins may also embed its responses.
     fn check_embedding(&self, headers: &HeaderMap) -> Result<(), Problem> {
         let says = |name: &str, value: &str| headers.get(name).is_some_and(|field| field == value);
         let page = headers.get(header::REFERER).and_then(|field| field.to_str().ok()).unwrap_or_default();
@@ -128,8 +129,8 @@ impl Origins {
     }
 }
 
-/// The host of a request: from an absolute URI, as clients send it to a proxy, otherwise from the field `Host`. `None`
-/// without both, which only HTTP/1.0 allows.
+/// The host of a request. It comes from the absolute URI that clients send to a proxy, otherwise from the field `Host`.
+/// It is `None` if the request has neither, which only HTTP/1.0 allows.
 fn requested_host(request: &Request) -> Result<Option<Authority>, Problem> {
     let refuse = |detail: &str| Err(Problem::new(ProblemKind::BadRequest, detail));
     let mut fields = request.headers().get_all(header::HOST).iter();

@@ -1,5 +1,5 @@
-//! The web page at `/`: the files of `src/server/page`, which the binary contains, the shader texts of its viewer, and
-//! the textures of a published table.
+//! The web page at `/`. It serves the files of `src/server/page`, which are embedded in the binary, the shaders of the
+//! viewer, and the textures of a published table.
 //!
 //! Invariant: the page calls only routes of this service, by relative addresses, so it works behind a path prefix. It
 //! loads no script, style or font from other sites, and contains no inline scripts or styles.
@@ -27,7 +27,7 @@ use ltcforge_light::{LightModel, textured::Readings};
 use ltcforge_shaders::{Additions, Language, Lights, LitBy, Namespace, Reading};
 use ltcforge_translate::{include, include_prefilter};
 
-/// The page may run its own modules and call this service. Pictures and videos are `blob:`.
+/// The page may run its own modules and call this service. Pictures and videos have `blob:` URLs.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; media-src blob:; \
                       connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; require-trusted-types-for 'script'";
 
@@ -90,8 +90,8 @@ page_files![
     "webgl/surface.js",
 ];
 
-/// The shader for a file name without extension: `normals`, or `ltc-LAYOUT` with `-two-lobes` for tables of two lobes.
-/// Both can end in `-textured` for pictures on lights.
+/// The shader for a file name without extension: `normals` or `ltc-LAYOUT`, with `-two-lobes` for tables with two
+/// lobes. Both names can end in `-textured` for lights that show pictures.
 fn lit_by(name: &str) -> Option<(LitBy, Reading)> {
     let (name, is_textured) = without(name, "-textured");
     let additions = Additions { textured: is_textured.then(|| Readings::ALL[0]), ..Additions::default() };
@@ -103,7 +103,7 @@ fn lit_by(name: &str) -> Option<(LitBy, Reading)> {
     Some((LitBy::from(*layout).with(additions).ok()?, Reading { two_lobes, ..Reading::default() }))
 }
 
-/// Removes `end` from a name. Returns the rest, and whether the name had this end.
+/// Removes the suffix `end` from a name. Returns the rest, and whether the name had the suffix.
 fn without<'name>(name: &'name str, end: &str) -> (&'name str, bool) {
     name.strip_suffix(end).map_or((name, false), |name| (name, true))
 }
@@ -112,7 +112,7 @@ fn page_file(name: &'static str, bytes: &'static [u8]) -> PageFile {
     (name, Bytes::from_static(bytes), Digest::of(bytes))
 }
 
-/// The text that `ltcforge shader --language glsl-es` writes, or the prefilter of pictures on lights.
+/// The shader that `ltcforge shader --language glsl-es` prints, or the prefilter for pictures on lights.
 fn shader_text(file: &str) -> Result<String, Problem> {
     let name = file.strip_suffix(".glsl").ok_or_else(|| no_file(file))?;
     let text = if name == "prefilter" {
@@ -132,7 +132,7 @@ pub(super) async fn index(asked: Asked) -> Answer {
 /// `GET /page/{file}`.
 pub(super) async fn file(asked: Asked, Path(name): Path<String>, State(api): State<Api>) -> Answer {
     let Some(path) = name.strip_prefix("kt2022-") else { return respond(&name, &asked) };
-    // The first request makes the table, which takes a moment.
+    // The first request computes the table, which takes a moment.
     let made = api.call(|_| published_table().map_err(|error| error::internal(&error))).await?;
     let found = made.files.iter().find(|file| file.path == path).ok_or_else(|| no_file(&name))?;
     send(path, found.digest, found.bytes.clone(), &asked)

@@ -23,14 +23,14 @@ use ltcforge_view::{
     preview::{Choices, Scene},
 };
 
-/// The pairs of a query string, in order. Parsing them lists all their faults.
+/// The name-value pairs of a query string, in order. Their parsers report all faults at once.
 type Pairs = Vec<(String, String)>;
 
 fn texts(pairs: &Pairs) -> impl Iterator<Item = (&str, &str)> {
     pairs.iter().map(|(name, text)| (name.as_str(), text.as_str()))
 }
 
-/// `GET /v1/preview`. If the client disconnects, this future is dropped, and the request ends.
+/// `GET /v1/preview`. If the client disconnects, this future is dropped, and the render request is withdrawn.
 pub(super) async fn preview(State(api): State<Api>, QueryOf(query): QueryOf<Pairs>, headers: HeaderMap) -> Answer {
     let (table, scene) = read_preview(&query).map_err(|faults| bad_parameters(ProblemKind::BadScene, faults))?;
     answer(&api, table, Subject::Scene(Box::new(scene)), headers).await
@@ -46,7 +46,7 @@ pub(super) async fn error_plot(
     plot(&api, digest, Plot::error_from(texts(&query)), headers).await
 }
 
-/// `GET /v1/tables/{digest}/plots/error.json`: the numbers of the picture.
+/// `GET /v1/tables/{digest}/plots/error.json`: the numbers that the picture shows.
 pub(super) async fn error_numbers(
     State(api): State<Api>,
     PathOf(digest): PathOf<Digest>,
@@ -87,7 +87,7 @@ async fn answer(api: &Api, table: Option<Digest>, subject: Subject, headers: Hea
     };
     let tag = EntityTag::strong(file.digest);
     tag.check_if_match(&headers)?;
-    // The name of a driver can have characters that a header field cannot have.
+    // The name of a driver can contain characters that are not allowed in a header field.
     let adapter: String =
         file.adapter.chars().map(|c| if c.is_ascii_graphic() || c == ' ' { c } else { '?' }).collect();
     let fields = [(header::ETAG, tag.as_str()), (header::CACHE_CONTROL, caching)];
@@ -98,7 +98,7 @@ async fn answer(api: &Api, table: Option<Digest>, subject: Subject, headers: Hea
     Ok((fields, adapter, [(header::CONTENT_TYPE, media_type)], file.bytes).into_response())
 }
 
-/// Table and scene of a preview's query, or all its faults.
+/// The table and the scene of a preview's query, or all faults of the query.
 fn read_preview(query: &Pairs) -> Result<(Option<Digest>, Scene), Vec<ParameterFault>> {
     let (tables, others): (Vec<_>, Vec<_>) = texts(query).partition(|(name, _)| *name == "table");
     let mut table = None;

@@ -1,4 +1,4 @@
-//! Plans of tables for scenes.
+//! Plans the tables for a scene.
 
 use axum::{
     Json,
@@ -53,7 +53,7 @@ impl PlanParameters {
     }
 }
 
-/// The answer of `POST /v1/plans`.
+/// The response to `POST /v1/plans`.
 #[derive(Debug, Serialize)]
 pub(super) struct PlanView {
     summary: Vec<String>,

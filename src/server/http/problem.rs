@@ -12,29 +12,29 @@ use serde_json::{Map, Value};
 
 use super::kind::ProblemKind;
 
-/// Faults that a problem lists: more would only repeat the faults that a client has to mend first.
+/// Maximum number of faults that a problem lists. Once they are fixed, the next response lists the rest.
 const MOST_FAULTS: usize = 100;
 
-/// Letters of a `detail`, and of each text of a fault.
+/// Maximum number of characters in a `detail`, and in each text of a fault.
 const LONGEST_DETAIL: usize = 2000;
 
 /// How a client authenticates.
 const SCHEME: &str = "Bearer realm=\"ltcforge\"";
 
-/// Letters of a word in them. No word of the service's own is as long.
+/// Maximum number of characters in a word of these texts. Only words from a client can be longer.
 const LONGEST_WORD: usize = 200;
 
-/// The answer of a call.
+/// The result of a handler.
 pub(super) type Answer = Result<Response, Problem>;
 
-/// An error as it is reported to a client, and the document that the client reads.
+/// An error that is reported to a client. Serialises to the problem document.
 #[derive(Debug, Serialize)]
 pub(super) struct Problem {
     r#type: &'static str,
     title: &'static str,
     status: u16,
     detail: String,
-    /// The faults of the request: the place of each, and the fault.
+    /// The faults of the request, each with its place.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     errors: Vec<Value>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -47,21 +47,21 @@ pub(super) struct Problem {
 }
 
 impl Problem {
-    /// A problem of `kind`; `detail` is one sentence on this occurrence.
+    /// A problem of `kind`. `detail` is one sentence about this occurrence.
     pub(super) fn new(kind: ProblemKind, detail: impl Into<String>) -> Self {
         let (status, r#type, title) = kind.row();
         let (status, detail) = (status.as_u16(), bounded(&detail.into()));
         Self { r#type, title, status, detail, errors: Vec::new(), recipe: None, kind, retry_after: None }
     }
 
-    /// The same with a list of the request's faults, the first [`MOST_FAULTS`] of them.
+    /// Adds the faults of the request, but at most [`MOST_FAULTS`].
     pub(super) fn with_errors<I>(self, errors: I) -> Self
     where
         I: IntoIterator<Item: Serialize, IntoIter: ExactSizeIterator>,
     {
         let errors = errors.into_iter();
         let detail = match errors.len().checked_sub(MOST_FAULTS) {
-            Some(more @ 1..) => format!("{}; the first {MOST_FAULTS} are listed, {more} more are not", self.detail),
+            Some(more @ 1..) => format!("{}; the first {MOST_FAULTS} are listed, {more} are omitted", self.detail),
             _ => self.detail,
         };
         let listed = errors.take(MOST_FAULTS).filter_map(|fault| {
@@ -76,28 +76,28 @@ impl Problem {
         Self { detail, errors: listed.collect(), ..self }
     }
 
-    /// The same with a recipe whose table would serve, a document as it is submitted.
+    /// Adds a recipe that the client could use instead, as a document to submit.
     pub(super) fn with_recipe(self, recipe: Value) -> Self {
         Self { recipe: Some(Box::new(recipe)), ..self }
     }
 
-    /// The same with a `Retry-After` field.
+    /// Adds a `Retry-After` field.
     pub(super) fn with_retry_after(self, after: Duration) -> Self {
         Self { retry_after: Some(whole_seconds(after)), ..self }
     }
 
-    /// Whether it is of `kind`.
+    /// Whether the problem is of `kind`.
     pub(super) fn is(&self, kind: ProblemKind) -> bool {
         self.kind == kind
     }
 
-    /// The status to answer with.
+    /// The status of the response.
     pub(super) fn status(&self) -> StatusCode {
         self.kind.row().0
     }
 }
 
-/// Shortens the long words of a text, which a client may have sent.
+/// Shortens a text and its long words, because they may come from a client.
 fn bounded(text: &str) -> String {
     let shown: String = text.split_inclusive(char::is_whitespace).map(|word| cut(word, LONGEST_WORD)).collect();
     cut(&shown, LONGEST_DETAIL)
@@ -154,7 +154,7 @@ mod tests {
             (problem.errors.len(), problem.detail)
         };
         assert_eq!(listed(100), (100, "100 faults".to_owned()));
-        assert_eq!(listed(137), (100, "137 faults; the first 100 are listed, 37 more are not".to_owned()));
+        assert_eq!(listed(137), (100, "137 faults; the first 100 are listed, 37 are omitted".to_owned()));
     }
 
     #[test]

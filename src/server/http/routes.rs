@@ -1,4 +1,4 @@
-//! The routes: one table that builds the router. A test compares it with `openapi.yaml`.
+//! The table of all routes. The router is built from it. A test compares it with `openapi.yaml`.
 
 use axum::{
     Router,
@@ -68,7 +68,8 @@ pub static ROUTES: &[Route] = &[
 /// Paths for operators. They show the state of the process, but no jobs or tables.
 const OPERATIONS: [&str; 4] = ["/healthz", "/readyz", "/metrics", "/version"];
 
-/// The router of [`ROUTES`], or of [`OPERATIONS`] only. Other methods on a known path get 405 with the allowed methods.
+/// The router for all [`ROUTES`], or only for [`OPERATIONS`]. Other methods on a known path get 405, which lists the
+/// allowed methods.
 pub(super) fn router(only_operations: bool) -> Router<Api> {
     let is_served = |routes: &&[Route]| !only_operations || OPERATIONS.contains(&routes[0].path);
     ROUTES.chunk_by(|a, b| a.path == b.path).filter(is_served).fold(Router::new(), |router, routes| {
@@ -82,7 +83,7 @@ pub(super) fn router(only_operations: bool) -> Router<Api> {
     })
 }
 
-/// The problem of an unknown path.
+/// The problem for an unknown path.
 pub(super) async fn no_such_path(uri: Uri) -> Problem {
     Problem::new(
         ProblemKind::NoSuchPath,
@@ -90,7 +91,7 @@ pub(super) async fn no_such_path(uri: Uri) -> Problem {
     )
 }
 
-/// The methods of a path in the format of `Allow`, with `HEAD` if there is `GET`.
+/// The methods of a path in the format of `Allow`. Includes `HEAD` if the path has `GET`.
 fn allowed_methods(routes: &[Route]) -> String {
     let mut names: Vec<&str> = routes.iter().map(|route| route.method.as_str()).collect();
     if names.contains(&"GET") && !names.contains(&"HEAD") {

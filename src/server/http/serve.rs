@@ -27,13 +27,13 @@ const HEAD_LIMIT_BYTES: usize = 128 << 10;
 /// Time for open responses to finish once the service stops.
 const DRAIN: Duration = Duration::from_secs(10);
 
-/// Interval at which the files of tokens and certificate are checked for changes.
+/// Interval between checks whether the token, certificate and key files have changed.
 const LOOK: Duration = Duration::from_secs(1);
 
 /// Settings of the HTTP interface.
 #[derive(Debug, Clone)]
 pub struct Options {
-    /// Maximum number of concurrent requests, without event streams.
+    /// Maximum number of concurrent requests, not counting event streams.
     pub requests: usize,
     /// Time limit for the head of a request, and for its body.
     pub client: Duration,
@@ -111,7 +111,7 @@ pub async fn serve(
                     certificate.look();
                 }
             };
-            // The next check follows even if this one fails.
+            // If this check fails, the next one follows anyway.
             let _ = tokio::task::spawn_blocking(look).await;
         }
     };

@@ -31,7 +31,7 @@ impl Certificate {
         Ok(Self { chain, key, watched, config })
     }
 
-    /// Reads the files again if they changed. After an error the previous certificate stays.
+    /// Reads the files again if they changed. After an error the previous certificate stays in use.
     pub(super) fn look(&self) {
         if !self.watched.changed() {
             return;
@@ -52,10 +52,10 @@ fn config(chain: &PathBuf, key: &PathBuf) -> Result<Arc<ServerConfig>, String> {
     let certificates = CertificateDer::pem_slice_iter(&read(chain)?).collect::<Result<Vec<_>, _>>();
     let certificates = certificates.map_err(|error| fault(chain, &error))?;
     if certificates.is_empty() {
-        return Err(fault(chain, &"the file has no certificate in PEM"));
+        return Err(fault(chain, &"the file contains no PEM certificate"));
     }
     let private = PrivateKeyDer::from_pem_slice(&read(key)?);
-    let private = private.map_err(|error| fault(key, &format!("the file has no private key in PEM: {error}")))?;
+    let private = private.map_err(|error| fault(key, &format!("the file contains no PEM private key: {error}")))?;
     let builder = ServerConfig::builder_with_provider(Arc::new(default_provider()))
         .with_safe_default_protocol_versions()
         .map_err(|error| error.to_string())?;

@@ -17,7 +17,8 @@ pub const TOKEN_BYTES: usize = 32;
 /// The prefix of every token. Scanners for leaked secrets can recognise it.
 const PREFIX: &str = "ltcforge_";
 
-/// Minimum number of hex digits after [`PREFIX`] in a token. Names of metrics have the same prefix.
+/// Minimum number of hex digits after [`PREFIX`] that mark a token. Names of metrics have the same prefix, but fewer
+/// digits.
 const FEWEST_DIGITS: usize = 16;
 
 /// Maximum length of a name.
@@ -38,7 +39,7 @@ impl Scope {
     /// All scopes, least first.
     pub const ALL: [Self; 3] = [Self::Read, Self::Submit, Self::Admin];
 
-    /// The name in the file of tokens.
+    /// The name in the token file.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -77,8 +78,7 @@ impl FromStr for Token {
     fn from_str(line: &str) -> Result<Self, Vec<String>> {
         let words: Vec<&str> = line.split_whitespace().collect();
         let [name, scope, hash] = words[..] else {
-            let more = if words.len() > 3 { "; team, share and priority no longer exist" } else { "" };
-            return Err(vec![format!("a line is NAME SCOPE sha256:HASH, three words, got {}{more}", words.len())]);
+            return Err(vec![format!("expected the three words NAME SCOPE sha256:HASH, got {} words", words.len())]);
         };
         let known = Scope::ALL.into_iter().find(|known| known.name() == scope);
         let known = known
@@ -100,11 +100,11 @@ fn checked_name(name: &str) -> Result<String, String> {
         return Ok(name.to_owned());
     }
     let shown: String = name.chars().take(LONGEST_NAME).collect();
-    Err(format!("«{}» is not a name: a name is 1 to {LONGEST_NAME} letters, digits and -_.@", shown.escape_debug()))
+    Err(format!("«{}» is not a valid name; use 1 to {LONGEST_NAME} letters, digits and -_.@", shown.escape_debug()))
 }
 
 impl Token {
-    /// A new token from random bytes: the secret for the client, and the token for the service.
+    /// Makes a token from random bytes. Returns the secret for the client, and the token for the service.
     ///
     /// # Errors
     /// When `name` is not a valid name.
@@ -115,7 +115,7 @@ impl Token {
     }
 }
 
-/// A text for the log. `[...]` replaces the digits of tokens, even of incomplete ones.
+/// Replaces the digits of tokens in a text by `[...]`, so that it can be logged. Incomplete tokens are replaced too.
 pub(super) fn without_tokens(text: &str) -> String {
     let mut parts = text.split(PREFIX);
     let mut shown = parts.next().unwrap_or_default().to_owned();
@@ -134,7 +134,7 @@ pub(super) fn without_tokens(text: &str) -> String {
 pub struct Tokens(Vec<Arc<Token>>);
 
 impl Tokens {
-    /// Parses texts with one token per line, empty lines and `#` comments. Each text has a name for error messages.
+    /// Parses texts with one token per line. Empty lines and `#` comments are allowed. Errors contain the text's name.
     ///
     /// # Errors
     /// All errors, one per line.
@@ -150,7 +150,7 @@ impl Tokens {
                         tokens.push(Arc::new(token));
                         continue;
                     }
-                    Ok(token) => vec![format!("a second token «{}»", token.name)],
+                    Ok(token) => vec![format!("a second token has the name «{}»", token.name)],
                     Err(found) => found,
                 };
                 let messages = found.iter().map(|fault| without_tokens(&format!("{text_name}, line {at}: {fault}")));
@@ -166,7 +166,7 @@ impl Tokens {
         self.0.is_empty()
     }
 
-    /// The token with this secret. Constant time is not necessary, because nobody can choose the bits of a hash.
+    /// The token with this secret. Constant time is not needed, because nobody can choose the bits of a hash.
     pub(super) fn find(&self, secret: &[u8]) -> Option<&Arc<Token>> {
         let hash = Digest::of(secret);
         self.0.iter().find(|token| token.hash == hash)
@@ -205,11 +205,11 @@ impl TokenFile {
         Arc::clone(&self.current.read().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Reads the file again if it changed. After an error the previous tokens stay.
+    /// Reads the file again if it changed. After an error the previous tokens stay valid.
     pub(super) fn look(&self) {
         if self.watched.changed() {
             match self.read() {
-                Ok(()) => tracing::info!("the file of tokens changed; using the new tokens"),
+                Ok(()) => tracing::info!("the token file changed; using the new tokens"),
                 Err(error) => tracing::error!("{error}; the previous tokens stay valid"),
             }
         }
@@ -221,13 +221,13 @@ impl TokenFile {
             name = path.display().to_string();
             let read = watched::read(path).map_err(|error| error.to_string());
             let read = read.and_then(|bytes| String::from_utf8(bytes).map_err(|_| "not UTF-8".to_owned()));
-            text = read.map_err(|error| format!("the file of tokens {name} cannot be read: {error}"))?;
+            text = read.map_err(|error| format!("the token file {name} cannot be read: {error}"))?;
         }
         let listed = self.listed.as_deref().unwrap_or_default();
-        let tokens = Tokens::of(&[("the list of tokens", listed), (&name, &text)])
+        let tokens = Tokens::of(&[("the token list", listed), (&name, &text)])
             .map_err(|faults| format!("the tokens have errors:\n{faults}"))?;
         if tokens.is_empty() && (self.file.is_some() || self.listed.is_some()) {
-            return Err("there is no token; to revoke the last one, replace it with another".to_owned());
+            return Err("there is no token; to revoke the last token, replace it with another token".to_owned());
         }
         *self.current.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(tokens);
         Ok(())
@@ -272,13 +272,13 @@ mod tests {
         );
         let faults = Tokens::of(&[("F", &file)]).expect_err("errors");
         for message in [
-            "F, line 3: «ltcforge_[...]» is not a name",
+            "F, line 3: «ltcforge_[...]» is not a valid name",
             "F, line 3: scope «root»",
             "F, line 3: the hash of «ltcforge_[...]»",
-            "line 4: a line is NAME SCOPE sha256:HASH, three words, got 2",
+            "line 4: expected the three words NAME SCOPE sha256:HASH, got 2 words",
             "line 5: «c/d»",
-            "line 6: a second token «farm»",
-            "line 7: a line is NAME SCOPE sha256:HASH, three words, got 5; team, share and priority no longer exist",
+            "line 6: a second token has the name «farm»",
+            "line 7: expected the three words NAME SCOPE sha256:HASH, got 5 words",
         ] {
             assert!(faults.contains(message), "{message}: {faults}");
         }

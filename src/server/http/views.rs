@@ -96,7 +96,7 @@ impl JobView {
     /// A job and its forecasts.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// See [`Self::new`].
     pub(super) fn of_snapshot(snapshot: &JobSnapshot) -> Result<Self, Problem> {
         Self::new(&snapshot.job, snapshot.seconds_left, snapshot.expected)
     }

@@ -13,7 +13,7 @@ use rustix::fs::OFlags;
 /// Maximum length of a file in bytes, about ten thousand tokens.
 pub(super) const LONGEST_FILE: u64 = 1 << 20;
 
-/// Inode, length and time of change of a file. They differ after a write or a replacement. `None` for a missing file.
+/// Inode, length and change time of a file. They differ after a write or a replacement. `None` for a missing file.
 type Stamp = Option<(u64, u64, i64, i64)>;
 
 fn stamp(path: &Path) -> Stamp {
@@ -29,7 +29,7 @@ pub(super) struct Watched {
 }
 
 impl Watched {
-    /// Records the stamps. Call it before reading the files: the next check then finds a change in between.
+    /// Records the stamps. Call this before reading the files, so that the next check finds changes made meanwhile.
     pub(super) fn new(files: Vec<PathBuf>) -> Self {
         let watched = Self { files, stamps: Mutex::default() };
         watched.changed();

@@ -1,9 +1,9 @@
-// Shows the page that the address names after `#`, and whether the service answers.
+// Shows the page named in the address after `#`, and whether the service responds.
 
 import { el, fill, notice } from './elements/dom.js';
 import { call, watchService } from './service/api.js';
 
-/** The module of each page, loaded for the part of the address after the page's name. A module exports `show( root, rest, parameters, signal )`, which may return a function that refreshes the page. */
+/** Loads the module of a page. `rest` is the part of the address after the page's name. A module exports `show( root, rest, parameters, signal )`, which may return a function that refreshes the page. */
 const PAGES = {
 	tables: ( rest ) => rest ? import( './pages/table.js' ) : import( './pages/tables.js' ),
 	jobs: ( rest ) => rest ? import( './pages/job.js' ) : import( './pages/jobs.js' ),
@@ -61,7 +61,7 @@ async function show() {
 	} catch ( error ) {
 
 		if ( signal.aborted ) return;
-		// `serviceback` shows the page again.
+		// When the service is back, `serviceback` shows the page again.
 		fill( root, el( 'h1', {}, 'Cannot show this page' ), notice( error.message ) );
 
 	}
@@ -96,7 +96,7 @@ window.addEventListener( 'hashchange', () => {
 } );
 window.addEventListener( 'servicelost', () => {
 
-	fill( service, 'The service does not answer. Trying again…' );
+	fill( service, 'The service does not respond. Trying again…' );
 	service.className = 'down';
 
 } );

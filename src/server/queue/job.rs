@@ -8,24 +8,24 @@ use ltcforge_files::{
     job::{JobId, StateName},
 };
 
-/// Why a job failed, by a name that is stored.
+/// Why a job failed. The names are stored in the database.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FailureKind {
-    /// No room on the disk; of jobs of earlier versions.
+    /// The disk was full. Only jobs of earlier versions failed for this reason.
     DiskFull,
-    /// Reading or writing failed for another reason.
+    /// Reading or writing failed.
     Storage,
-    /// A task failed as often as is allowed.
+    /// A task failed too many times.
     Attempts,
 }
 
 /// The last error of a failed job.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Failure {
-    /// Its kind.
+    /// The kind of the failure.
     pub kind: FailureKind,
-    /// One sentence for a person to read.
+    /// A sentence for people to read.
     pub detail: String,
 }
 
@@ -39,46 +39,46 @@ pub enum JobState {
     Running,
     /// The table is stored.
     Done {
-        /// Its digest.
+        /// The digest of the table.
         table: Digest,
     },
-    /// It failed.
+    /// The job failed.
     Failed {
-        /// Why.
+        /// The last error.
         error: Failure,
     },
-    /// A user cancelled it.
+    /// A user cancelled the job.
     Cancelled,
 }
 
-/// A recipe on its way to a table.
+/// A job. It fits the table of a recipe.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Job {
-    /// Derived from the recipe's digest.
+    /// The id, which is derived from the recipe's digest.
     pub id: JobId,
-    /// Canonical JSON of the recipe, opaque to the queue.
+    /// The canonical JSON of the recipe. The queue does not parse it.
     pub recipe: String,
-    /// Its digest.
+    /// The digest of the recipe.
     pub recipe_digest: Digest,
-    /// Its state.
+    /// The state of the job.
     #[serde(flatten)]
     pub state: JobState,
-    /// Entries of all shards.
+    /// Number of entries of all shards.
     pub entries_total: u64,
-    /// Entries of finished shards plus those that leased ones have reported.
+    /// Number of entries of finished shards, plus the entries that workers have reported for leased shards.
     pub entries_done: u64,
-    /// The highest number of leases of a task.
+    /// The number of leases of the task that was leased most often.
     pub attempts: u32,
-    /// When it was first submitted, or submitted again after it had failed or been cancelled.
+    /// When the job was last queued, by its first submission or by a submission after it had ended.
     pub created_at: Timestamp,
-    /// When its first shard was leased.
+    /// When the first shard of the job was leased.
     pub started_at: Option<Timestamp>,
-    /// When it reached a final state.
+    /// When the job reached a final state.
     pub finished_at: Option<Timestamp>,
-    /// Who submitted it: the name of a token; `None` without tokens.
+    /// The name of the token that submitted the job; `None` if the service has no tokens.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub submitted_by: Option<String>,
-    /// Who cancelled it: the name of a token.
+    /// The name of the token that cancelled the job.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cancelled_by: Option<String>,
 }

@@ -4,7 +4,7 @@ use super::{Failure, JobId};
 use crate::store::StoreError;
 use ltcforge_files::digest::Digest;
 
-/// The right to deliver the result of one task. `number` is the fence: the queue accepts only the current lease.
+/// The right to deliver the result of one task. The queue accepts a result only under the current `number` of the task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Lease {
     pub(super) submission: u64,
@@ -20,9 +20,9 @@ pub struct StaleLease;
 /// The kind of a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TaskKind {
-    /// Fit this shard, then [`super::Queue::complete`].
+    /// Fit this shard, then call [`super::Queue::complete`].
     Shard(u32),
-    /// Assemble the table from the results of all shards, then [`super::Queue::finish`].
+    /// Assemble the table from the results of all shards, then call [`super::Queue::finish`].
     Assemble,
 }
 
@@ -44,9 +44,9 @@ pub struct LeasedTask {
 /// How a lease ends without a result.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Release {
-    /// The worker stops. The lease is not counted.
+    /// The worker stops. The lease does not count towards the limit of leases.
     GiveBack,
-    /// The task failed. It is tried again until it has failed too many times.
+    /// The task failed. The queue leases it again until it has failed too many times.
     Failed(String),
     /// The whole job fails, because another attempt would not help.
     Abort(Failure),
@@ -58,7 +58,7 @@ pub enum LeaseError {
     /// The lease is no longer current.
     #[error(transparent)]
     Stale(#[from] StaleLease),
-    /// Results of shards are lost or damaged. The shards are fitted again, and the lease has ended.
+    /// Results of shards are lost or damaged. The lease has ended, and the queue leases the shards again.
     #[error("the results of {0} shards are lost or damaged; they are fitted again")]
     Lost(usize),
     /// The result could not be stored.

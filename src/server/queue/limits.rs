@@ -11,17 +11,17 @@ pub struct Limits {
     pub jobs: usize,
     /// How long a lease lasts unless it is renewed.
     pub lease_ttl: Duration,
-    /// How long an ended job is remembered; `None` for ever.
+    /// How long an ended job is remembered; `None` means forever.
     pub keep_ended: Option<Duration>,
-    /// Maximum number of ended jobs that are remembered; `None` for no limit.
+    /// Maximum number of ended jobs that are remembered; `None` means no limit.
     pub most_ended: Option<usize>,
 }
 
-/// The job fails when workers have reported its task as failed this many times.
+/// A job fails when workers have reported one of its tasks as failed this many times.
 pub(super) const MOST_FAILURES: u32 = 5;
 
-/// The job fails when its task was leased this many times without a result. The limit is high, because killed processes
-/// and power cuts are not the task's fault.
+/// A job fails when one of its tasks was leased this many times without a result. The limit is high, because killed
+/// processes and power cuts are not the task's fault.
 pub(super) const MOST_LEASES: u32 = 25;
 
 fn name(kind: TaskKind) -> String {
@@ -31,13 +31,13 @@ fn name(kind: TaskKind) -> String {
     }
 }
 
-/// The failure of a job whose task failed too often.
+/// The failure of a job after a task has failed too often.
 pub(super) fn failed_often(kind: TaskKind, times: u32, error: &str) -> Failure {
     let detail = format!("{} failed {times} times; the last error: {error}", name(kind));
     Failure { kind: FailureKind::Attempts, detail }
 }
 
-/// The failure of a job whose task was leased too often without a result.
+/// The failure of a job after a task was leased too often without a result.
 pub(super) fn leased_often(kind: TaskKind, times: u32) -> Failure {
     let detail = format!("{} was leased {times} times without a result", name(kind));
     Failure { kind: FailureKind::Attempts, detail }

@@ -1,13 +1,14 @@
-//! The order in which tasks are leased, by a virtual clock.
+//! The order in which tasks are leased. A virtual clock determines it.
 //!
 //! The tag of a shard is the base of its job plus the predicted seconds of the job up to and including this shard. The
-//! tag of the assembly is the base plus all seconds. The task with the smallest (tag, submission, task) is leased
-//! first.
+//! tag of the assembly is the base plus the seconds of all shards. The task with the smallest (tag, submission, task)
+//! is leased first.
 //!
 //! The base is the time of submission, but at most 5 ms after the virtual time. The virtual time is the latest start
-//! (tag - seconds) of a leased task, or the start of the first waiting task, or a later base of an unfinished job. So a
-//! small job starts next, long jobs share the workers evenly, and no job starves: each new job advances the virtual
-//! time by 5 ms. Setting the system clock changes only the order.
+//! (tag - seconds) of a leased task. If no task is leased, it is the start of the first waiting task. It is never
+//! before the base of an unfinished job. As a result, a small job starts next, long jobs share the workers evenly, and
+//! no job starves, because each new job advances the virtual time by up to 5 ms. A change of the system clock affects
+//! only the order of tasks.
 
 use super::Shard;
 
@@ -23,12 +24,12 @@ pub(super) fn microseconds(shard: &Shard) -> i64 {
     (shard.seconds * 1e6).clamp(0.0, MOST) as i64
 }
 
-/// The base of a new job at `now`, in microseconds; `virtual_time` is `None` if no task waits or is leased.
+/// The base of a new job at `now`, in microseconds. `virtual_time` is `None` if there are no unfinished jobs.
 pub(super) fn base(now: i64, virtual_time: Option<i64>) -> i64 {
     virtual_time.map_or(now, |time| now.min(time.saturating_add(AHEAD)))
 }
 
-/// The tags of the shards and of the assembly, in microseconds. Finished shards take no time.
+/// The tags of the shards and of the assembly, in microseconds. Finished shards add no time.
 pub(super) fn tags(base: i64, shards: &[Shard], is_finished: impl Fn(u32) -> bool) -> Vec<i64> {
     let mut tags = Vec::with_capacity(shards.len() + 1);
     let mut tag = base;

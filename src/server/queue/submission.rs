@@ -1,4 +1,4 @@
-//! A submitted job, and the queue's answer.
+//! Submissions of jobs, and their results.
 
 use serde::{Deserialize, Serialize};
 
@@ -24,9 +24,9 @@ pub struct NewJob {
     pub recipe_digest: Digest,
     /// The shards, in order.
     pub shards: Vec<Shard>,
-    /// The fitter version of the results.
+    /// The version of the fitter.
     pub fitter: u32,
-    /// The name of the submitting token; `None` without tokens.
+    /// The name of the submitting token; `None` if the service has no tokens.
     pub submitted_by: Option<String>,
 }
 
@@ -38,12 +38,12 @@ impl NewJob {
     }
 }
 
-/// The queue's answer to a submission.
+/// The result of a submission.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Submitted {
-    /// The job is queued now.
+    /// The job was queued.
     Queued(Job),
-    /// An equal job is queued or running already.
+    /// The same job is already queued or running.
     Joined(Job),
     /// The job is done, and its table is still stored.
     Done(Job, Digest),

@@ -1,4 +1,4 @@
-//! Uploaded tabulated BRDFs, the only files that the service cannot compute again.
+//! Uploaded tabulated BRDFs. They are the only files that the service cannot compute again.
 
 use std::{cmp::Reverse, sync::PoisonError};
 
@@ -20,14 +20,14 @@ use ltcforge_fit::{Asymmetry, TabulatedFile};
 /// A stored BRDF: digest, size, and a summary.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StoredBrdf {
-    /// The digest, which recipes contain.
+    /// The digest of the file. Recipes contain it.
     pub digest: Digest,
     /// The size of the file.
     pub bytes: usize,
-    /// Number of nodes of alpha, `theta_o`, `theta_i` and phi. An anisotropic BRDF also has ratio, after alpha, and
-    /// `phi_o`, after `theta_o`.
+    /// Number of nodes of each axis: alpha, `theta_o`, `theta_i` and phi, or for an anisotropic BRDF alpha, ratio,
+    /// `theta_o`, `phi_o`, `theta_i` and phi.
     pub shape: Vec<usize>,
-    /// The largest directional albedo: the part of uniform light that is reflected.
+    /// The largest directional albedo, which is the fraction of uniform light that the surface reflects.
     pub albedo: f64,
     /// The deviation from reciprocity.
     pub asymmetry: Option<Asymmetry>,
@@ -39,7 +39,7 @@ pub enum StoreBrdfError {
     /// The file is not a valid tabulated BRDF. All faults are listed.
     #[error(transparent)]
     Faults(#[from] TabulatedError),
-    /// The limit of BRDFs is reached.
+    /// The limit of stored BRDFs is reached. The number is the limit.
     #[error(
         "{0} BRDFs are stored, which is the limit; delete unused ones with DELETE /v1/brdfs/{{digest}}, or raise \
          `--brdf-limit`"
@@ -110,10 +110,10 @@ impl Service {
         Ok(Page { items: rows, next })
     }
 
-    /// Deletes a BRDF. No recipe of a table, or of a queued or running job, may contain it.
+    /// Deletes a BRDF, unless the recipe of a table or of a queued or running job contains its digest.
     ///
     /// # Errors
-    /// See [`DeleteError`]. Nothing has changed then.
+    /// See [`DeleteError`]. After an error nothing has changed.
     pub fn delete_brdf(&self, digest: Digest) -> Result<(), DeleteError> {
         let state = &self.state;
         let _alone = state.naming.write().unwrap_or_else(PoisonError::into_inner);
@@ -123,7 +123,7 @@ impl Service {
         if !state.is_complete {
             return Err(DeleteError::Incomplete(digest));
         }
-        // A canonical recipe contains no digests except of BRDFs.
+        // The only digests in a canonical recipe are digests of BRDFs.
         let named = digest.to_string();
         let mut recipes = state.files.catalogue.recipes()?;
         for unfinished in [StateName::Queued, StateName::Running] {

@@ -1,6 +1,6 @@
 //! The catalogue: the rows that describe stored files.
 //!
-//! It can be computed from the files. A missing row may cost a second fit, but never loses a table.
+//! The rows can be computed from the files. If a row is missing, a table may be fitted twice, but no table is lost.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use ltcforge_files::digest::Digest;
 pub struct TableRow {
     /// The digest of the table.
     pub digest: Digest,
-    /// The digest of its recipe.
+    /// The digest of the table's recipe.
     pub recipe_digest: Digest,
     /// The size of its file.
     pub bytes: u64,
@@ -40,7 +40,7 @@ struct RecipeRow {
     table: Digest,
 }
 
-/// A stored manifest. A manifest of another version is made again.
+/// A stored manifest. A manifest with another version is computed again.
 #[derive(Debug, Serialize, Deserialize)]
 struct ManifestRow {
     version: u32,
@@ -79,13 +79,13 @@ impl Catalogue {
         Ok(batch)
     }
 
-    /// The manifest of a table, if it is stored in this version.
+    /// The manifest of a table, if a manifest with this version is stored.
     pub(super) fn manifest(&self, table: Digest, version: u32) -> Result<Option<String>, StoreError> {
         let row: Option<ManifestRow> = self.read(Tree::Manifests, table.as_bytes())?;
         Ok(row.filter(|row| row.version == version).map(|row| row.text))
     }
 
-    /// The canonical JSON and the table of a recipe.
+    /// The canonical JSON of a recipe, and the digest of its table.
     pub(super) fn recipe(&self, recipe_digest: Digest) -> Result<Option<(String, Digest)>, StoreError> {
         let row: Option<RecipeRow> = self.read(Tree::Recipes, recipe_digest.as_bytes())?;
         Ok(row.map(|row| (row.recipe, row.table)))
@@ -101,12 +101,12 @@ impl Catalogue {
         self.read(Tree::Tables, digest.as_bytes())
     }
 
-    /// All tables, by digest.
+    /// All tables, sorted by digest.
     pub(super) fn tables(&self) -> Result<Vec<TableRow>, StoreError> {
         self.all(Tree::Tables)
     }
 
-    /// All BRDFs, by digest.
+    /// All BRDFs, sorted by digest.
     pub(super) fn brdfs(&self) -> Result<Vec<FileRow>, StoreError> {
         self.all(Tree::Brdfs)
     }
@@ -157,7 +157,7 @@ fn encode(row: &impl Serialize) -> Result<Vec<u8>, StoreError> {
     serde_json::to_vec(row).map_err(|error| StoreError::Database(error.to_string()))
 }
 
-/// The key of a file in the order of age.
+/// The key that sorts files by age.
 pub(super) fn age_key(stored_at: Timestamp, digest: Digest) -> Vec<u8> {
     let age = u64::try_from(stored_at.as_microsecond()).unwrap_or(0);
     [age.to_be_bytes().as_slice(), digest.as_bytes()].concat()

@@ -9,7 +9,7 @@ use ltcforge_view::preview::Adapter;
 pub struct Config {
     /// The data folder. It is created if it is missing.
     pub data_dir: PathBuf,
-    /// Number of shards that are fitted at the same time. 0 for a replica that does not fit.
+    /// Number of shards that are fitted at the same time. A replica with 0 workers does not fit.
     pub workers: usize,
     /// Maximum number of queued and running jobs.
     pub queue_limit: usize,
@@ -17,9 +17,10 @@ pub struct Config {
     pub entry_limit: u64,
     /// Maximum predicted seconds of a job's fit.
     pub job_seconds: u64,
-    /// How long an ended job is remembered; `None` for ever.
+    /// How long an ended job is remembered. `None` means forever.
     pub keep_ended: Option<Duration>,
-    /// Maximum bytes of all tables. The least recently used tables are evicted. `None` for no limit.
+    /// Maximum bytes of all tables and BRDFs. Above it, the least recently used tables are deleted. `None` means no
+    /// limit.
     pub store_bytes: Option<u64>,
     /// How long a lease lasts unless it is renewed.
     pub lease_ttl: Duration,
@@ -32,7 +33,7 @@ pub struct Config {
 }
 
 impl Config {
-    /// Threads that assemble and measure tables.
+    /// Number of threads that assemble and measure tables.
     pub(super) fn pool_threads(&self) -> NonZeroUsize {
         NonZeroUsize::new(self.workers).unwrap_or(NonZeroUsize::MIN)
     }

@@ -1,23 +1,23 @@
-//! Cursors: the place where the next page of a list begins.
+//! Cursors. A cursor is the position at which the next page of a list begins.
 
 use serde::Deserialize;
 
 use ltcforge_files::hex::from_hex;
 
-/// Maximum length of a table's key in the order of age.
+/// Maximum length of a key that sorts tables by age.
 const LONGEST_KEY: usize = 64;
 
-/// A place in the list of jobs.
+/// A position in the list of jobs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(try_from = "String")]
 pub struct JobCursor(pub(super) u64);
 
-/// A place in the list of tables.
+/// A position in the list of tables.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(try_from = "String")]
 pub struct TableCursor(pub(super) Vec<u8>);
 
-/// A text that is not the `next` of a page.
+/// The error for a text that is not a cursor.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("«{0}» is not a cursor: pass the `next` of the previous page")]
 pub struct CursorError(String);

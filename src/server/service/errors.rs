@@ -1,4 +1,4 @@
-//! Errors when a service starts, and errors of its storage.
+//! Errors of a service: at its start, and when it uses its storage.
 
 use std::{path::PathBuf, time::Duration};
 
@@ -17,9 +17,9 @@ pub enum OpenError {
     /// The storage failed while the service started.
     #[error(transparent)]
     Store(#[from] StoreError),
-    /// The folder that a cluster shares is missing.
+    /// The folder that the processes of a cluster share is missing.
     #[cfg(feature = "cluster")]
-    #[error("there is no such folder for --blobs: {}; create it first", .0.display())]
+    #[error("there is no such folder for --blobs: {}; create the folder first", .0.display())]
     NoFolder(PathBuf),
     /// The database or the object store of a cluster could not be opened.
     #[cfg(feature = "cluster")]
@@ -37,10 +37,10 @@ pub enum DeleteError {
     #[error("no BRDF with the digest {0} is stored")]
     UnknownBrdf(Digest),
     /// A recipe contains the BRDF.
-    #[error("the recipe of a table, or of a queued or running job, uses {0}; delete or cancel it first")]
+    #[error("the recipe of a table, or of a queued or running job, uses {0}; first delete the table or cancel the job")]
     InUse(Digest),
-    /// The database was lost or closed at the start, so a job that is unknown may use the BRDF.
-    #[error("the database was incomplete at the start, so an unknown job may use {0}; restart the service first")]
+    /// The database was damaged or could not be opened at the start, so a job that is no longer known may use the BRDF.
+    #[error("the database was incomplete at startup, so an unknown job may use {0}; restart the service and try again")]
     Incomplete(Digest),
     /// The store failed.
     #[error(transparent)]
@@ -65,8 +65,8 @@ pub enum ServiceError {
     /// The service is stopping and accepts no long work.
     #[error("the service is stopping")]
     Stopping,
-    /// The storage is temporarily not available.
-    #[error("the storage cannot be reached now: {0}")]
+    /// The storage is temporarily unavailable.
+    #[error("the storage cannot be reached: {0}")]
     Unavailable(String),
     /// The machine is temporarily short of threads, memory or file descriptors.
     #[error("the machine is temporarily short of a resource: {0}")]
@@ -95,10 +95,10 @@ pub enum SubmitError {
     /// The document is not a recipe, or has faults.
     #[error(transparent)]
     Recipe(#[from] RecipeError),
-    /// Too many jobs are queued or running: the limit, and when to try again.
+    /// Too many jobs are queued or running. The values are the limit, and when to try again.
     #[error("the queue is full: {0} jobs are waiting or running; try again later or raise `--queue-limit`")]
     QueueFull(usize, Duration),
-    /// The fit would take too long: predicted seconds with all workers on the job, and the limit.
+    /// The fit would take too long. The values are the predicted seconds if all workers fit the job, and the limit.
     #[error(
         "the predicted time of the fit is {0:.0} s on this machine, and the limit is {1} s; reduce entries, samples, \
         directions or steps, or raise `--job-seconds`"

@@ -1,7 +1,7 @@
-//! Keeping the store within `--store-bytes`.
+//! Keeps the store within `--store-bytes`.
 //!
-//! Only tables are evicted: a table can be fitted again from its recipe, and a BRDF cannot.
-//! Invariant: no deletion acts on state that is known to be incomplete. After a start that was not clean, nothing is
+//! Only tables are evicted, because a table can be fitted again from its recipe, but a BRDF cannot.
+//! Invariant: nothing is deleted while the state is known to be incomplete. If a start was not clean, nothing is
 //! evicted until the next clean start.
 
 use std::{
@@ -14,7 +14,8 @@ use jiff::{SignedDuration, Timestamp};
 use super::state::State;
 use crate::store::{BlobInfo, StoreError};
 
-/// A table used within this time is never evicted: clients download the table of a job that has just ended.
+/// A table that was used within this time is never evicted, because clients may still download the table of a job that
+/// has just ended.
 const GRACE: SignedDuration = SignedDuration::from_secs(600);
 
 impl State {
@@ -22,7 +23,7 @@ impl State {
     pub(super) fn evict(&self) {
         let Some(limit) = self.config.store_bytes.filter(|_| self.is_complete) else { return };
         if let Err(error) = self.evict_above(limit, Timestamp::now()) {
-            tracing::error!(%error, "the store was not brought down to --store-bytes");
+            tracing::error!(%error, "could not reduce the store to --store-bytes");
         }
     }
 
@@ -43,7 +44,7 @@ impl State {
             self.exports.forget(table.digest);
             self.files_removed.fetch_add(1, Ordering::Relaxed);
             bytes = bytes.saturating_sub(table.bytes);
-            tracing::info!(table = %table.digest, used_at = %table.used_at, "the table was evicted: the store is larger than --store-bytes");
+            tracing::info!(table = %table.digest, used_at = %table.used_at, "evicted the table, because the store was above --store-bytes");
         }
         Ok(())
     }

@@ -16,8 +16,8 @@ use super::ServiceError;
 use ltcforge_files::digest::Digest;
 use ltcforge_textures::{Bundle, Export, ExportError, RoundingError, TextureFile};
 
-/// Maximum number of waiting requests for exports. One export is made at a time, so that the numbers of only one table
-/// are in memory.
+/// Maximum number of waiting requests for exports. One export is made at a time, so that only one table is decoded in
+/// memory.
 const LIMIT: usize = 16;
 /// `Retry-After` if this many requests wait. Most exports take less than a second.
 const RETRY_FULL: Duration = Duration::from_secs(2);
@@ -25,13 +25,13 @@ const RETRY_FULL: Duration = Duration::from_secs(2);
 /// A file of an export.
 #[derive(Debug, Clone)]
 pub struct ExportedFile {
-    /// The path in the export, with `/` between names.
+    /// The path within the export, with `/` between names.
     pub path: String,
     /// The bytes.
     pub bytes: Bytes,
     /// The digest of the bytes.
     pub digest: Digest,
-    /// The error of rounding its numbers.
+    /// The error from rounding the numbers of the file.
     pub rounding: RoundingError,
 }
 
@@ -40,7 +40,7 @@ pub struct ExportedFile {
 pub struct MadeExport {
     /// The files.
     pub files: Vec<ExportedFile>,
-    /// The steps to use the files, a sentence each.
+    /// The steps to use the files. Each step is a sentence.
     pub steps: Vec<String>,
 }
 
@@ -57,13 +57,13 @@ impl From<Bundle> for MadeExport {
 /// Why a table was not exported.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum ExportFailure {
-    /// The table cannot be exported in this form.
+    /// The table does not support this export.
     #[error(transparent)]
     Refused(#[from] ExportError),
-    /// The table has too many entries: their number, and the limit.
-    #[error("the table has {0} entries, the service exports at most {1}; use `ltcforge export` instead")]
+    /// The table has too many entries. The values are their number, and the limit.
+    #[error("the table has {0} entries, and the service exports tables of at most {1}; use `ltcforge export` instead")]
     TooLarge(usize, usize),
-    /// Too many requests for exports are waiting: the limit, and when to try again.
+    /// Too many requests for exports are waiting. The values are the limit, and when to try again.
     #[error("{0} requests for exports are waiting, which is the limit; try again later")]
     QueueFull(usize, Duration),
     /// The table could not be read or measured.
@@ -75,17 +75,17 @@ pub enum ExportFailure {
 #[derive(Debug)]
 pub(super) struct Exports {
     kept: Cache<Digest, Arc<MadeExport>, FileBytes>,
-    /// Held while an export is made.
+    /// Locked while an export is made.
     making: Mutex<()>,
-    /// A permit per waiting request.
+    /// A permit for each waiting request.
     waiting: Semaphore,
     made: AtomicU64,
 }
 
 /// Maximum bytes of exports in memory.
 const KEPT_BYTES: u64 = 128 << 20;
-/// Number of exports that the cache expects. With more than 62 it would split its bytes into several parts, and a large
-/// export would not fit into any part.
+/// Number of exports that the cache expects. For more than 62, the cache would split its bytes into several parts, and
+/// a large export would not fit into any part.
 const EXPECTED: usize = 32;
 
 /// The key of a table's export in the cache.
@@ -121,7 +121,7 @@ impl Exports {
         self.made.load(Ordering::Relaxed)
     }
 
-    /// The export of `key`, from memory or from `make`, which runs once at a time. `None` is not remembered.
+    /// The export of `key`, from memory or from `make`. Only one `make` runs at a time. `None` is not kept in memory.
     pub(super) fn get(
         &self,
         key: Digest,
@@ -132,7 +132,7 @@ impl Exports {
         }
         let _place = self.waiting.try_acquire().map_err(|_| ExportFailure::QueueFull(LIMIT, RETRY_FULL))?;
         let _making = self.making.lock().unwrap_or_else(PoisonError::into_inner);
-        // An equal request may have made the export meanwhile.
+        // Another request may have made the same export meanwhile.
         if let Some(kept) = self.kept.get(&key) {
             return Ok(Some(kept));
         }

@@ -1,4 +1,4 @@
-//! Stored files: read, verified against their digest, and cached in bounded memory.
+//! Reads stored files, verifies them against their digests, and caches them in bounded memory.
 
 use std::{
     collections::BTreeSet,
@@ -34,8 +34,8 @@ impl FileKind {
 
 /// Maximum bytes of verified files in memory.
 const CACHE_BYTES: u64 = 256 << 20;
-/// Number of files that the cache expects. With more, it would split its bytes into parts that are too small for a
-/// large file.
+/// Number of files that the cache expects. For many more, the cache would split its bytes into parts that are too small
+/// for a large file.
 const CACHE_FILES: usize = 32;
 
 #[derive(Debug, Clone)]
@@ -53,7 +53,7 @@ pub(super) struct Files {
     pub(super) blobs: Arc<dyn Blobs>,
     pub(super) catalogue: Catalogue,
     cache: Cache<Digest, Bytes, FileBytes>,
-    /// Files served from memory whose use is not recorded yet.
+    /// Files that were served from memory since uses were last recorded.
     served: Mutex<BTreeSet<Digest>>,
     corrupt: AtomicU64,
     /// Keeps the data folder locked.
@@ -82,8 +82,8 @@ impl Files {
     /// The verified bytes of a file of this kind. Concurrent callers share one read.
     ///
     /// # Errors
-    /// When the file is damaged or unreadable. A damaged file is removed from the catalogue, so an equal job fits it
-    /// again.
+    /// When the file is damaged or unreadable. A damaged file is removed from the catalogue, so submitting its recipe
+    /// fits it again.
     pub(super) fn read(&self, kind: FileKind, digest: Digest) -> Result<Option<Bytes>, ServiceError> {
         let read = self.cache.get_or_insert_with(&digest, || match self.blobs.get(digest) {
             Ok(Some(bytes)) => Ok(Bytes::from(bytes)),
@@ -126,7 +126,7 @@ impl Files {
         }
     }
 
-    /// Deletes a file, then its rows. On a full disk the rows may stay. Rows without a file are ignored.
+    /// Deletes a file, then its rows. On a full disk the rows may stay. Rows without a file do no harm.
     pub(super) fn delete(&self, digest: Digest) -> Result<(), StoreError> {
         self.blobs.delete(digest)?;
         self.cache.remove(&digest);

@@ -1,4 +1,4 @@
-//! Recipes behind their digests: each is parsed once, then its plan is passed on.
+//! Parses each recipe once, and keeps its plan under the recipe's digest.
 
 use std::{cell::RefCell, sync::Arc};
 
@@ -19,19 +19,19 @@ use ltcforge_files::{
 use ltcforge_fit::{self as fit, BrdfModel, Expectation, FITTER_VERSION, GoOn, Plan, Recipe, Solver, TabulatedFile};
 use ltcforge_textures::{About, Bundle, Export};
 
-/// Number of plans that are kept. Jobs are fitted shard by shard in turn.
+/// Number of plans that are kept in memory, because workers alternate between the shards of several jobs.
 const PLANS: usize = 64;
-/// Number of decoded BRDFs that are kept. Each may take 64 MiB.
+/// Number of decoded BRDFs that are kept in memory. Each may take 64 MiB.
 const BRDFS: usize = 4;
-/// Entries of the largest table that is exported: 24 MB of numbers, of which a text takes five times as many bytes.
+/// Maximum number of entries of an exported table. Its numbers take 24 MB, and five times as much in a text file.
 const MOST_EXPORTED: usize = 500_000;
 
-/// A recipe that was parsed, with what follows from it.
+/// A parsed recipe, with its plan and its forecast.
 #[derive(Debug)]
 pub(super) struct PlannedRecipe {
-    /// The plan. The numbers of a tabulated BRDF are missing in it.
+    /// The plan, without the numbers of a tabulated BRDF.
     plan: Plan,
-    /// The predicted seconds of one thread on the machine of the cost model, and the predicted error.
+    /// The predicted seconds on one thread of the cost model's machine, and the predicted error.
     pub(super) expectation: Expectation,
 }
 
@@ -44,20 +44,20 @@ impl PlannedRecipe {
         self.plan.shards()
     }
 
-    /// The part of all entries that a shard has.
+    /// The fraction of all entries that a shard contains.
     pub(super) fn part(&self, shard: u32) -> f64 {
         let range = self.plan.shard_entries(shard);
         (range.end - range.start) as f64 / self.plan.entries().max(1) as f64
     }
 }
 
-/// Why there is no plan with everything that its fit needs.
+/// Why the plan of a recipe could not be loaded.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum LoadError {
     /// The recipe cannot be fitted here.
     #[error("{0}")]
     Failed(String),
-    /// The store failed, which says nothing about the recipe.
+    /// The store failed. The recipe may be valid.
     #[error(transparent)]
     Store(StoreError),
 }
@@ -71,12 +71,12 @@ pub(super) struct Fitter {
 }
 
 impl Fitter {
-    /// A fitter whose BRDFs are in `blobs`.
+    /// A fitter that reads BRDFs from `blobs`.
     pub(super) fn new(blobs: Arc<dyn Blobs>) -> Self {
         Self { plans: Cache::new(PLANS), brdfs: Cache::new(BRDFS), blobs }
     }
 
-    /// Reads a recipe document into a job.
+    /// Parses a recipe document, and returns its job.
     ///
     /// # Errors
     /// All faults of the document, or the store's error.
@@ -107,15 +107,15 @@ impl Fitter {
         Ok(NewJob { recipe, recipe_digest, shards, fitter: FITTER_VERSION, submitted_by: None })
     }
 
-    /// The plan of a canonical recipe; an error for a recipe of another fitter version.
+    /// The plan of a canonical recipe. A recipe of another fitter version is an error.
     pub(super) fn planned(&self, digest: Digest, recipe: &str) -> Result<Arc<PlannedRecipe>, String> {
         self.plans.get_or_insert_with(&digest, || {
             let parsed = recipe_document::parse_stored(recipe.as_bytes())
-                .map_err(|error| format!("the stored recipe: {error}"))?;
+                .map_err(|error| format!("the stored recipe is invalid: {error}"))?;
             if parsed.fitter != FITTER_VERSION {
                 // Shards of two fitters must not be mixed in one table.
                 return Err(format!(
-                    "the recipe is for fitter {}, and this is fitter {FITTER_VERSION}; submit the recipe again",
+                    "the recipe is for fitter {}, but this is fitter {FITTER_VERSION}; submit the recipe again",
                     parsed.fitter
                 ));
             }
@@ -124,10 +124,10 @@ impl Fitter {
         })
     }
 
-    /// The plan of a canonical recipe with the numbers of its BRDF.
+    /// The plan of a canonical recipe, including the numbers of its tabulated BRDF.
     ///
     /// # Errors
-    /// When it is for another fitter, or its BRDF cannot be read.
+    /// When the recipe is for another fitter version, or its BRDF cannot be read.
     pub(super) fn plan(&self, digest: Digest, recipe: &str) -> Result<Plan, LoadError> {
         let planned = self.planned(digest, recipe).map_err(LoadError::Failed)?;
         let Some(name) = planned.plan.recipe().model().file() else { return Ok(planned.plan.clone()) };
@@ -135,12 +135,12 @@ impl Fitter {
         Ok(Plan::new(&Recipe { brdf, ..planned.plan.recipe().clone() }))
     }
 
-    /// The tabulated BRDF of a name, which must be a digest.
+    /// The tabulated BRDF named `name`, which must be a digest.
     fn brdf(&self, name: &str) -> Result<TabulatedFile, LoadError> {
         self.brdfs.get_or_insert_with(name, || {
             let digest: Digest = name.parse().map_err(|_| {
                 LoadError::Failed(format!(
-                    "{name:?} is not a digest: send the file to /v1/brdfs and name the digest of the answer, sha256:<64 hex digits>"
+                    "{name:?} is not a digest: send the file to /v1/brdfs and use the digest in the response"
                 ))
             })?;
             let bytes = self.blobs.get(digest).map_err(LoadError::Store)?.ok_or_else(|| {
@@ -150,12 +150,12 @@ impl Fitter {
         })
     }
 
-    /// Forgets decoded BRDFs after one was deleted.
+    /// Removes all decoded BRDFs from memory. Called after a BRDF was deleted.
     pub(super) fn forget_brdfs(&self) {
         self.brdfs.clear();
     }
 
-    /// The canonical recipe of a table's file, and its digest; `None` for other bytes.
+    /// The canonical recipe in a table file, and the recipe's digest. `None` if `file` is not a table.
     pub(super) fn recognise(file: &[u8]) -> Option<(String, Digest)> {
         let table = container::decode(file).ok()?;
         let text = recipe_document::canonical_json(&table.recipe);
@@ -163,7 +163,7 @@ impl Fitter {
         Some((text, digest))
     }
 
-    /// The file of the table that the results of all shards make. Runs on the current rayon pool.
+    /// Assembles the results of all shards, and returns the table's file. Runs on the current rayon pool.
     ///
     /// # Errors
     /// The first invalid result.
@@ -180,27 +180,27 @@ impl Fitter {
         Ok(file)
     }
 
-    /// Measures a table and makes its manifest, on the current rayon pool; `None` as soon as `go_on` says no.
+    /// Measures a table and makes its manifest, on the current rayon pool. `None` if `go_on` stops it.
     pub(super) fn manifest(&self, file: &[u8], go_on: &GoOn) -> Result<Option<String>, TableFileError> {
         manifest_json_while(go_on, file, &|name| self.brdf(name).map_err(|error| vec![error.to_string()]))
     }
 
-    /// A table's file with its BRDF, where that is stored.
+    /// Decodes a table's file, and adds its tabulated BRDF if the BRDF is stored.
     pub(super) fn table(&self, digest: Digest, file: &[u8]) -> Result<TableFile, ServiceError> {
         let mut file =
             container::decode(file).map_err(|error| ServiceError::Storage(format!("the blob {digest}: {error}")))?;
-        // A missing BRDF is an error only where something needs it.
+        // A missing BRDF is an error only for callers that need it.
         let _ = file.find_brdf(&|name| self.brdf(name).map_err(|error| vec![error.to_string()]));
         Ok(file)
     }
 
-    /// The exports for which a table has the layout.
+    /// The exports that the layout of a table allows.
     pub(super) fn exports(&self, digest: Digest, file: &[u8]) -> Result<Vec<Export>, ExportFailure> {
         let table = self.table(digest, file)?.table;
         Ok(Export::all().filter(|export| export.layout(&table).is_ok()).collect())
     }
 
-    /// The files of an export of a table with this manifest.
+    /// Exports a table. Its `manifest` contains its measured error.
     pub(super) fn export(
         &self,
         digest: Digest,

@@ -1,4 +1,4 @@
-//! The expected time of a job on this machine, and the expected quality of its table.
+//! Predicts the time of a job on this machine, and the quality of its table.
 
 use std::{
     num::NonZeroUsize,
@@ -13,7 +13,7 @@ use ltcforge_fit::Solver;
 /// The forecast for a job's fit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Expected {
-    /// Seconds of fitting with all workers of this service and no other jobs.
+    /// Predicted seconds if all workers of this service fit only this job.
     pub seconds: f64,
     /// Mean error between nodes, relative to the lobe's width.
     pub error: f64,
@@ -27,18 +27,18 @@ pub struct Expected {
 #[derive(Debug)]
 pub(super) struct Forecast {
     workers: NonZeroUsize,
-    /// The speed by solver, because it depends on the kind of work.
+    /// The speed for each solver, because solvers do different work.
     speeds: Mutex<Vec<(Solver, Speed)>>,
 }
 
-/// Measured and predicted seconds of one thread for the latest shards.
+/// Predicted and measured seconds on one thread for the latest shards.
 #[derive(Debug, Clone, Copy)]
 struct Speed {
     predicted: f64,
     measured: f64,
 }
 
-/// Weight of the uncorrected prediction, as seconds of work.
+/// Weight of the uncorrected prediction, in seconds of work.
 const PRIOR_SECONDS: f64 = 0.5;
 /// Seconds of work after which older measurements lose their weight.
 const MEMORY_SECONDS: f64 = 60.0;
@@ -49,7 +49,7 @@ impl Forecast {
         Self { workers, speeds: Mutex::new(Solver::ALL.iter().map(|solver| (*solver, prior)).collect()) }
     }
 
-    /// The forecast for a recipe if all workers fit its shards.
+    /// The forecast for a recipe if all workers fit it.
     pub(super) fn of(&self, planned: &PlannedRecipe) -> Expected {
         let model = planned.expectation;
         let seconds = model.seconds * self.ratio(planned.solver()) / self.workers.get() as f64;
@@ -76,7 +76,7 @@ impl Forecast {
         speeds.iter().find(|(of, _)| *of == solver).map_or(1.0, |(_, speed)| speed.measured / speed.predicted)
     }
 
-    /// Seconds of one core of this machine for `predicted` seconds of mixed work.
+    /// The seconds that one core of this machine needs for `predicted` seconds of mixed work.
     pub(super) fn core_seconds(&self, predicted: f64) -> f64 {
         let speeds = self.speeds.lock().unwrap_or_else(PoisonError::into_inner);
         let sum = |of: fn(&Speed) -> f64| speeds.iter().map(|(_, speed)| of(speed)).sum::<f64>();

@@ -11,18 +11,18 @@ use tokio::sync::watch;
 use super::Expected;
 use crate::queue::{Job, JobId};
 
-/// Difference between the sequence number of a final state and its time. It exceeds the number of snapshots within a
-/// microsecond.
+/// The number that is added to the time of a final state to get its sequence number. It exceeds the number of snapshots
+/// within a microsecond.
 const FINAL_AFTER: u64 = 1000;
 
-/// A job at one moment. `sequence` grows with each change.
+/// A job at one moment.
 #[derive(Debug, Clone)]
 pub struct JobSnapshot {
-    /// The position in the history of the job.
+    /// The position in the history of the job. It grows with each change.
     pub sequence: u64,
     /// The job.
     pub job: Job,
-    /// Expected seconds to the end, once they can be estimated.
+    /// Expected seconds until the job ends. `None` until they can be estimated.
     pub seconds_left: Option<f64>,
     /// The forecast for the whole fit; `None` for a recipe of another fitter version.
     pub expected: Option<Expected>,
@@ -47,8 +47,8 @@ impl Hub {
 }
 
 impl Channels {
-    /// Microseconds since 1970, or one more than the last number. So numbers also grow across restarts. The number of a
-    /// final state depends only on the time of its end.
+    /// Microseconds since 1970, or one more than the last number, so numbers also grow across restarts. The number of
+    /// a final state depends only on the time when the job ended.
     pub(super) fn sequence(&mut self, job: &Job) -> u64 {
         let micros = |time: Timestamp| u64::try_from(time.as_microsecond()).unwrap_or(0);
         if let Some(finished_at) = job.finished_at {

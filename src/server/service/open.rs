@@ -21,7 +21,7 @@ use crate::{
 use ltcforge_files::tabulated::is_tabulated;
 use ltcforge_fit::FITTER_VERSION;
 
-/// Interval at which leases are renewed and followers are notified. In a cluster, each time costs a database statement.
+/// Interval at which leases are renewed and followers are notified. In a cluster, each renewal is a database statement.
 const RENEW_EMBEDDED: Duration = Duration::from_millis(100);
 #[cfg(feature = "cluster")]
 const RENEW_SHARED: Duration = Duration::from_millis(500);
@@ -41,7 +41,7 @@ impl Service {
         Self::start(config, files, Box::new(queue), is_clean && is_listed, RENEW_EMBEDDED)
     }
 
-    /// As [`Service::open`], with a database and an object store that other processes share.
+    /// Like [`Service::open`], but with a database and an object store that several processes share.
     ///
     /// # Errors
     /// When the database or the object store cannot be used.
@@ -111,13 +111,13 @@ fn shared_folder(folder: &std::path::Path) -> Result<crate::store::FolderBlobs, 
     if !folder.is_dir() {
         return Err(OpenError::NoFolder(folder.to_owned()));
     }
-    // The quarantine is one level deeper than blobs, so damaged files are not listed.
+    // The quarantine is one folder deeper than the blobs, so its files are not listed as blobs.
     Ok(crate::store::FolderBlobs::shared(folder, &folder.join("quarantine/files"))?)
 }
 
 impl Files {
-    /// Updates the catalogue: adds missing rows of files, and removes rows without a file. Returns whether all changes
-    /// could be stored.
+    /// Updates the catalogue: adds rows for files without a row, and removes rows without a file. Returns whether all
+    /// changes could be stored.
     fn list_from_disk(&self) -> Result<bool, StoreError> {
         let blobs = self.blobs.list()?;
         let mut rows: BTreeSet<_> = self.catalogue.tables()?.into_iter().map(|row| row.digest).collect();
@@ -140,7 +140,7 @@ impl Files {
             added += 1;
         }
         for digest in rows {
-            tracing::warn!(%digest, "the file is missing; its row is removed from the catalogue");
+            tracing::warn!(%digest, "the file is missing; removing its row from the catalogue");
             let removed = self.catalogue.removal(digest).and_then(|batch| self.catalogue.rows.commit(&batch));
             is_complete &= removed.is_ok();
             lost += 1;
@@ -151,7 +151,7 @@ impl Files {
         Ok(is_complete)
     }
 
-    /// The rows of a file; `None` for a file that is neither a table nor a BRDF.
+    /// The rows that describe a file. `None` if the file is neither a table nor a BRDF.
     fn describe(&self, blob: &BlobInfo) -> Result<Option<Batch>, StoreError> {
         let Some(file) = self.blobs.get(blob.digest)? else { return Ok(None) };
         let BlobInfo { digest, bytes, stored_at: created_at, .. } = *blob;

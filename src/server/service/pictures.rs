@@ -1,4 +1,4 @@
-//! Pictures and plots: their subjects, their errors, and the cache. `render` makes them.
+//! Pictures and plots: their subjects, their errors, and their cache. The module `render` renders them.
 
 use std::{
     sync::{Arc, Mutex, MutexGuard, PoisonError},
@@ -19,14 +19,15 @@ use ltcforge_view::{
 
 /// The adapter of pictures that are always drawn on the CPU.
 pub(super) const CPU: &str = "cpu";
-/// Number of pictures that may wait or be rendered.
+/// Maximum number of pictures that wait or are being rendered.
 pub(super) const MOST_WAITING: usize = 9;
-/// Bytes of pictures that are kept in memory.
+/// Maximum bytes of pictures in memory.
 const KEPT_BYTES: u64 = 64 << 20;
-/// Number of pictures that the cache expects. With more it would split its bytes into parts too small for a large one.
+/// Number of pictures that the cache expects. For many more, it would split its bytes into parts that are too small for
+/// a large picture.
 const KEPT: usize = 32;
-/// Samples of the reference that a thread of a fast CPU, and a fast GPU, render in a second. A scene whose samples do
-/// not fit into the time limit is refused at once.
+/// Reference samples per second on a thread of a fast CPU, and on a fast GPU. A scene with too many samples for the
+/// time limit is refused at once.
 const SAMPLES_PER_CPU_THREAD: f64 = 1e7;
 const SAMPLES_PER_GPU: f64 = 6e8;
 
@@ -34,16 +35,16 @@ const SAMPLES_PER_GPU: f64 = 6e8;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Subject {
-    /// A scene, lit by a table or without one.
+    /// A scene, rendered with or without a table.
     Scene(Box<Scene>),
-    /// A table's numbers or errors.
+    /// A plot of a table's numbers or errors.
     Plot(Plot),
     /// The errors of a table, as numbers in JSON.
     Errors(ErrorSlice),
 }
 
 impl Subject {
-    /// The media type of its file.
+    /// The media type of the picture's file.
     pub(crate) fn media_type(&self) -> &'static str {
         match self {
             Self::Scene(_) | Self::Plot(_) => "image/png",
@@ -62,7 +63,7 @@ impl Subject {
 /// A rendered picture.
 #[derive(Debug, Clone)]
 pub struct PictureFile {
-    /// The PNG file, or the JSON.
+    /// The PNG or JSON file.
     pub bytes: Bytes,
     /// The renderer: the name of an adapter, or `cpu`.
     pub adapter: Arc<str>,
@@ -70,43 +71,43 @@ pub struct PictureFile {
     pub digest: Digest,
 }
 
-/// How many pictures ended in which way since the start.
+/// Number of pictures since the start, by how they ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PictureCounts {
-    /// Rendered.
+    /// Rendered pictures.
     pub done: u64,
-    /// The renderer or the storage failed.
+    /// Pictures for which the renderer or the storage failed.
     pub failed: u64,
-    /// The caller left, or the time ran out.
+    /// Pictures that were stopped, because the caller left or the time ran out.
     pub given_up: u64,
-    /// Too many waited, or the picture had too many samples.
+    /// Pictures that were refused, because too many waited or they had too many samples.
     pub refused: u64,
 }
 
 /// Why there is no picture.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum PictureError {
-    /// There is no such table.
+    /// The table is not stored.
     #[error("no table with the digest {0} is stored")]
     UnknownTable(Digest),
-    /// No table is stored.
+    /// The picture needs a table, and no table is stored.
     #[error("no table is stored")]
     NoTable,
-    /// Too many pictures are requested at the same time: the limit, and when to try again.
-    #[error("{0} pictures are waiting or being rendered already")]
+    /// Too many pictures are waiting. The values are the limit, and when to try again.
+    #[error("{0} pictures are already waiting or being rendered; try again later")]
     QueueFull(usize, Duration),
-    /// The scene does not go with the table's scattering model.
+    /// The picture does not support this table, for example because of its scattering model.
     #[error("{0}")]
     OtherBrdf(String),
-    /// The scene has more samples than are accepted: its samples, and the limit.
+    /// The scene has too many samples. The values are its samples, and the limit.
     #[error(
-        "the picture takes {:.1} million samples, and this service accepts {:.1} million; fewer pixels or samples take \
-        less, and `--picture-seconds` of the service raises the limit",
+        "the picture needs {:.1} million samples, and this service accepts {:.1} million; request fewer pixels or \
+        samples, or raise `--picture-seconds` of the service",
         .0 / 1e6,
         .1 / 1e6
     )]
     TooExpensive(f64, f64),
-    /// Rendering took too long: the limit, and when to try again.
+    /// Rendering took too long. The values are the limit, and when to try again.
     #[error(
         "the picture was not rendered within {} s; `--picture-seconds` of the service raises the limit",
         .0.as_secs_f64()
@@ -120,7 +121,7 @@ pub enum PictureError {
     Store(#[from] ServiceError),
 }
 
-/// A picture weighs the bytes of its file.
+/// Counts the bytes of a picture's file.
 #[derive(Debug, Clone)]
 pub(super) struct PictureBytes;
 
@@ -130,20 +131,21 @@ impl Weighter<Digest, PictureFile> for PictureBytes {
     }
 }
 
-/// The renderer and the pictures that are kept.
+/// The renderer, and the cached pictures.
 #[derive(Debug)]
 pub(super) struct Pictures {
     pub(super) limit: Duration,
     pub(super) cache: Cache<Digest, PictureFile, PictureBytes>,
     /// A permit for each picture that may wait or be rendered.
     pub(super) places: Arc<Semaphore>,
-    /// One permit: one picture is rendered at a time.
+    /// A single permit, because one picture is rendered at a time.
     pub(super) turn: Arc<Semaphore>,
     renderer: Mutex<Renderer>,
     counts: Mutex<PictureCounts>,
 }
 
-/// The renderer. The rendering thread takes it and puts it back when it ends; a hung thread never does.
+/// The renderer. The rendering thread takes its parts out, and puts them back when it ends. A thread that hangs never
+/// puts them back.
 #[derive(Debug)]
 pub(super) struct Renderer {
     pub(super) adapter: Adapter,
@@ -167,7 +169,7 @@ impl Pictures {
         }
     }
 
-    /// How many pictures ended in which way.
+    /// Number of pictures, by how they ended.
     pub(super) fn counts(&self) -> PictureCounts {
         *self.counts.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -186,11 +188,11 @@ impl Pictures {
         } += 1;
     }
 
-    /// Refuses a scene of more samples than the adapter can render within the time limit. An unknown adapter counts as
-    /// a GPU. A plot takes seconds at most.
+    /// Refuses a scene with more samples than the adapter can render within the time limit. An unknown adapter counts
+    /// as a GPU. Plots are never refused, because a plot takes a few seconds at most.
     pub(super) fn check_cost(&self, subject: &Subject) -> Result<(), PictureError> {
         let Subject::Scene(scene) = subject else { return Ok(()) };
-        // The adapter of lavapipe, which renders on the CPU too, is called llvmpipe.
+        // Lavapipe also renders on the CPU. Its adapter is called llvmpipe.
         let is_cpu = self.renderer().name.as_ref().is_some_and(|name| **name == *CPU || name.starts_with("llvmpipe"));
         let cpu = SAMPLES_PER_CPU_THREAD * rayon::current_num_threads() as f64;
         let limit = self.limit.as_secs_f64() * if is_cpu { cpu } else { SAMPLES_PER_GPU };

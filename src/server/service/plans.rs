@@ -1,4 +1,4 @@
-//! Plans of tables for scenes.
+//! Plans the tables for a scene.
 
 use serde_json::Value;
 
@@ -22,7 +22,7 @@ pub enum SceneForm {
 pub struct Planned {
     /// The plan, as in `plan.json`.
     pub plan: Value,
-    /// The lines of the summary.
+    /// The lines of the plan's summary.
     pub summary: Vec<String>,
 }
 
@@ -32,7 +32,8 @@ pub enum PlanError {
     /// The scene has faults.
     #[error("{} fault(s) in the scene", .0.len())]
     Scene(Vec<SceneFault>),
-    /// No table is within the budget: the recipe of the nearest table, and the summary of its plan.
+    /// No table is within the budget. The values are the recipe of the table that comes closest, and the summary of its
+    /// plan.
     #[error("{1}")]
     Unmet(Value, String),
     /// The service is stopping.
@@ -51,7 +52,7 @@ impl From<SceneError> for PlanError {
 }
 
 impl Service {
-    /// Plans the tables of a scene within a budget.
+    /// Plans the tables for a scene within a budget.
     ///
     /// # Errors
     /// See [`PlanError`].

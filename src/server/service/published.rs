@@ -1,4 +1,4 @@
-//! The table that KT et al. published, as the page's viewer loads it.
+//! The table that KT et al. published, in the format that the page's viewer loads.
 
 use std::sync::LazyLock;
 
@@ -7,20 +7,20 @@ use ltcforge_files::container::decode_npy;
 use ltcforge_fit::ggx_terms;
 use ltcforge_textures::{About, Engine, Export};
 
-/// `LUT/alpha_lambda_theta_phi.npy` of the repository, byte for byte.
+/// An exact copy of `LUT/alpha_lambda_theta_phi.npy` in the repository of KT et al.
 const FILE: &[u8] = include_bytes!("../page/published/kt2022.npy");
 
 const ABOUT: [&str; 3] = [
     "KT, Heitz, Dupuy, Narayanan: Bringing Linearly Transformed Cosines to Anisotropic GGX, 2022",
     "LUT/alpha_lambda_theta_phi.npy of github.com/AakashKT/LTC-Anisotropic, under MIT: kt2022_LICENSE.txt",
-    "amplitudes and Fresnel terms, which the file has not: those of GGX at its nodes",
+    "amplitudes and Fresnel terms: computed for GGX at the nodes, as the file does not contain them",
 ];
 
-/// Its textures, as `ltcforge export --for wgpu` makes them, with the terms of GGX. The first call integrates these, on the
-/// current rayon pool; its size changes nothing.
+/// The textures of the table, as `ltcforge export --for wgpu` writes them, with the terms of GGX. The first call
+/// integrates the terms on the current rayon pool. The size of the pool does not change the result.
 ///
 /// # Errors
-/// A defect of this program, as text.
+/// A message. An error is a bug in this program.
 pub fn published_table() -> Result<&'static MadeExport, &'static str> {
     static MADE: LazyLock<Result<MadeExport, String>> = LazyLock::new(|| {
         let mut table = decode_npy(FILE).map_err(|error| error.to_string())?.table;
@@ -40,7 +40,7 @@ mod tests {
         let made = published_table().expect("textures");
         let names: Vec<&str> = made.files.iter().map(|file| file.path.as_str()).collect();
         assert_eq!(names, ["ltc_matrix_a.ktx2", "ltc_matrix_b.ktx2", "ltc_terms.ktx2", "ltc.json", "ltcforge.json"]);
-        // The last texel is the roughest surface at the horizon: amplitude, Fresnel term, 0.
+        // The last texel is for the roughest surface at the horizon. It contains the amplitude and the Fresnel term.
         let last: Vec<f32> = made.files[2]
             .bytes
             .rchunks(4)

@@ -1,4 +1,4 @@
-//! Rendering a picture: one at a time, on a blocking thread, within a time limit.
+//! Renders pictures, one at a time, on a blocking thread, within a time limit.
 
 use std::{
     sync::{
@@ -24,14 +24,14 @@ use ltcforge_view::{
     preview::{Adapter, Preview, PreviewError, Scene, ShaderTable, TexelFormat},
 };
 
-/// When to try again if that many wait: most pictures take less than a second.
+/// When to try again if too many pictures wait. Most pictures take less than a second.
 const RETRY_FULL: Duration = Duration::from_secs(2);
 /// When to try again after a picture that took too long.
 const RETRY_SLOW: Duration = Duration::from_secs(30);
-/// How long past its limit a picture may be rendered before its driver counts as hung.
+/// How long rendering may exceed its time limit before the driver counts as hung.
 const HUNG_AFTER: Duration = Duration::from_secs(20);
 
-/// Stops a render when its caller has left.
+/// Stops rendering when the caller has left.
 struct Caller(Arc<AtomicBool>);
 
 impl Drop for Caller {
@@ -41,7 +41,8 @@ impl Drop for Caller {
 }
 
 impl Service {
-    /// The picture of `subject` with a table. Where it needs a table and none is named, the newest one is used.
+    /// The picture of `subject` with `table`. If the subject needs a table and `table` is `None`, it uses the newest
+    /// table.
     ///
     /// # Errors
     /// See [`PictureError`].
@@ -67,7 +68,7 @@ impl Service {
         let has_left = Arc::new(AtomicBool::new(false));
         let _caller = Caller(Arc::clone(&has_left));
         let request = Request { state: Arc::clone(&self.state), key, table, subject, has_left };
-        // A task of its own ends the picture in good order if the caller leaves.
+        // A separate task can end the picture properly even if the caller leaves.
         let outcome = tokio::spawn(request.supervise(place)).await;
         outcome.unwrap_or_else(|error| Err(PictureError::Failed(error.to_string())))
     }
@@ -98,13 +99,13 @@ struct Request {
 }
 
 impl Request {
-    /// Renders the picture when its turn comes, and gives up a renderer that hangs.
+    /// Renders the picture when its turn comes. Abandons a renderer that hangs.
     async fn supervise(self, place: OwnedSemaphorePermit) -> Result<PictureFile, PictureError> {
         let state = Arc::clone(&self.state);
         let pictures = &state.pictures;
         let limit = pictures.limit;
         let turn = Arc::clone(&pictures.turn).acquire_owned().await.map_err(|_| ServiceError::Stopping)?;
-        // An equal picture may have been rendered since this one was requested.
+        // Another request may have rendered the same picture meanwhile.
         if let Some(file) = pictures.cache.get(&self.key) {
             return Ok(file);
         }
@@ -118,9 +119,9 @@ impl Request {
             Ok(Ok(outcome)) => outcome,
             Ok(Err(_)) => Err(PictureError::Failed("the renderer panicked".to_owned())),
             Err(_) => {
-                tracing::warn!("the renderer hung; it is abandoned and another one takes its place");
+                tracing::warn!("the renderer hung; it is abandoned, and a new renderer replaces it");
                 let mut renderer = pictures.renderer();
-                // A driver that hung is not used again, unless the configuration demands a GPU.
+                // After a driver has hung, the CPU renders, unless the configuration requires a GPU.
                 if renderer.adapter == Adapter::Any {
                     renderer.adapter = Adapter::Cpu;
                 }
@@ -159,7 +160,7 @@ impl Request {
         Ok(PictureFile { digest: Digest::of(&bytes), bytes: bytes.into(), adapter })
     }
 
-    /// The error of a picture that was stopped before its end.
+    /// The error for a picture that was stopped.
     fn stopped(&self) -> PictureError {
         if self.state.is_stopping() {
             return ServiceError::Stopping.into();
@@ -203,20 +204,19 @@ impl Request {
     fn shader_table(&self, digest: Digest) -> Result<Arc<ShaderTable>, PictureError> {
         let table = self.table(digest)?;
         if !table.layout().is_even(table.axes()) {
-            let uneven =
-                "the table's recipe gives nodes that are not evenly spaced, and the preview's shader searches for none";
+            let uneven = "the preview needs evenly spaced nodes, but the recipe of this table sets other nodes";
             return Err(PictureError::OtherBrdf(uneven.to_owned()));
         }
         Ok(Arc::new(ShaderTable::new(&table, TexelFormat::F32).labelled(&digest.hex())))
     }
 
-    /// The table of a plot. To be measured, it needs its BRDF.
+    /// The table of a plot. If the plot measures the table, the table's tabulated BRDF must be stored.
     fn measurable_table(&self, is_measured: bool) -> Result<(Digest, Table), PictureError> {
         let digest = self.table.ok_or(PictureError::NoTable)?;
         let table = self.table(digest)?;
         if is_measured && !table.model().is_complete() {
             let missing = table.model().file().map(ToString::to_string).unwrap_or_default();
-            return Err(PictureError::OtherBrdf(format!("the tabulated BRDF of the table, {missing}, is not stored")));
+            return Err(PictureError::OtherBrdf(format!("the BRDF {missing} is not stored; upload it to /v1/brdfs")));
         }
         Ok((digest, table))
     }
@@ -227,7 +227,7 @@ impl Request {
     }
 }
 
-/// The digest of what determines a picture.
+/// The digest of everything that determines a picture.
 fn key(subject: &Subject, table: Option<Digest>) -> Result<Digest, PictureError> {
     let all = json!({ "subject": subject, "table": table });
     let text = serde_jcs::to_vec(&all).map_err(|error| PictureError::Failed(error.to_string()))?;

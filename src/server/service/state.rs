@@ -41,15 +41,15 @@ pub(super) struct State {
     pub(super) pool: rayon::ThreadPool,
     /// The leased tasks of this process.
     pub(super) running: Mutex<HashMap<Lease, Arc<Running>>>,
-    /// Held while a thread leases tasks, so that idle workers query the queue one at a time.
+    /// Locked while a thread leases tasks, so that idle workers query the queue one at a time.
     pub(super) leasing: Mutex<()>,
     pub(super) pictures: Pictures,
     pub(super) exports: Exports,
-    /// Held while BRDFs are counted and one is stored.
+    /// Locked while BRDFs are counted and a BRDF is stored.
     pub(super) storing: Mutex<()>,
-    /// Locked for reading while a recipe becomes a job or a table is stored, for writing while a file is removed.
+    /// Locked for reading while a recipe becomes a job or a file is stored, and for writing while a file is removed.
     pub(super) naming: RwLock<()>,
-    /// Whether all jobs and files were known at the start. Otherwise no table is evicted and no BRDF deleted.
+    /// Whether all jobs and files were known at the start. Otherwise no table is evicted and no BRDF is deleted.
     pub(super) is_complete: bool,
     pub(super) stopping: AtomicBool,
     pub(super) entries_fitted: AtomicU64,
@@ -61,11 +61,11 @@ pub(super) struct State {
 pub struct Metrics {
     /// Jobs by state.
     pub jobs: Vec<(StateName, u64)>,
-    /// Waiting and leased shards, of all processes that share the queue.
+    /// Waiting and leased shards, for all processes that share the queue.
     pub shards: Depth,
-    /// Predicted seconds of unfinished shards, on one core.
+    /// Predicted seconds to fit the unfinished shards on one core.
     pub core_seconds: f64,
-    /// Seconds since the oldest unfinished job was submitted; 0 without one.
+    /// Seconds since the oldest unfinished job was submitted, or 0 if all jobs have ended.
     pub oldest_seconds: f64,
     /// Entries fitted since the start.
     pub entries_fitted: u64,
@@ -77,7 +77,7 @@ pub struct Metrics {
     pub tables: u64,
     /// Bytes of all tables.
     pub table_bytes: u64,
-    /// Files found damaged or missing since the start.
+    /// Stored files found damaged since the start.
     pub blobs_corrupt: u64,
     /// Pictures since the start, except those served from memory.
     pub pictures: PictureCounts,
@@ -96,7 +96,7 @@ impl Service {
         Ok(())
     }
 
-    /// Stops the service: it leases no more tasks, and gives running shards back within a moment.
+    /// Stops the service. It leases no more tasks, and releases running shards within a moment.
     pub fn stop(&self) {
         self.state.queue.close();
         self.state.stopping.store(true, Ordering::SeqCst);
@@ -110,7 +110,7 @@ impl Service {
         }
     }
 
-    /// The reason why the service does not accept jobs now; `None` if it accepts them.
+    /// The reason why the service cannot accept jobs now. `None` if it accepts jobs.
     #[must_use]
     pub fn fault(&self) -> Option<String> {
         if self.is_stopping() {

@@ -1,4 +1,4 @@
-//! Submitting jobs, and looking them up.
+//! Submits and looks up jobs.
 
 use std::{sync::PoisonError, time::Duration};
 
@@ -6,9 +6,9 @@ use super::{Expected, JobCursor, JobSnapshot, Page, Service, ServiceError, Submi
 use crate::queue::{Job, JobId, JobState, NewJob, QueueError, StateName, Submitted};
 use ltcforge_files::digest::Digest;
 
-/// Shortest and longest time, in seconds, after which a refused client is asked to try again.
+/// Minimum and maximum number of seconds after which a refused client should try again.
 const RETRY_SECONDS: (f64, f64) = (1.0, 600.0);
-/// That time while the speed of the first job is not known, in seconds.
+/// Seconds after which a refused client should try again while the end of running jobs cannot be estimated.
 const RETRY_UNKNOWN_SECONDS: f64 = 5.0;
 
 /// The result of submitting a recipe.
@@ -18,10 +18,10 @@ pub enum SubmitReply {
     InFlight {
         /// The job.
         job: Job,
-        /// Whether an equal recipe had been submitted before.
+        /// Whether the job was already queued or running before this submission.
         joined: bool,
     },
-    /// The table is stored already.
+    /// The table is already stored.
     Ready {
         /// The job that made it.
         job: Job,
@@ -30,14 +30,14 @@ pub enum SubmitReply {
     },
 }
 
-/// The forecast of a submission.
+/// The forecast for a submission.
 #[derive(Debug)]
 pub struct Foreseen {
-    /// Canonical text of the recipe.
+    /// The canonical JSON of the recipe.
     pub recipe: String,
-    /// Its digest.
+    /// The digest of the recipe.
     pub recipe_digest: Digest,
-    /// Entries of its table.
+    /// Number of entries of the table.
     pub entries: u64,
     /// The table, if it is stored.
     pub table: Option<Digest>,
@@ -78,10 +78,10 @@ impl Service {
         }
     }
 
-    /// The forecast of submitting a recipe document. Stores nothing.
+    /// The forecast for submitting a recipe document. Stores nothing.
     ///
     /// # Errors
-    /// [`SubmitError::Recipe`] for a document that is refused, [`SubmitError::Store`] when the store fails.
+    /// [`SubmitError::Recipe`] if the document has faults, [`SubmitError::Store`] if the store fails.
     pub fn foresee(&self, document: &[u8]) -> Result<Foreseen, SubmitError> {
         let state = &self.state;
         let new = state.fitter.new_job(document, state.config.entry_limit)?;
@@ -92,13 +92,13 @@ impl Service {
         Ok(Foreseen { entries, recipe: new.recipe, recipe_digest, table, expected, refused })
     }
 
-    /// The forecast for a job; `None` for a recipe of another fitter.
+    /// The forecast for a job. `None` if its recipe is for another fitter version.
     #[must_use]
     pub fn expected(&self, job: &Job) -> Option<Expected> {
         self.state.expected(job.recipe_digest, &job.recipe)
     }
 
-    /// A job by its id, with its forecasts.
+    /// The job with this id, with its forecasts.
     ///
     /// # Errors
     /// When the store fails.
@@ -129,7 +129,7 @@ impl Service {
         Ok(Page { items, next: next.map(|next| next.to_string()) })
     }
 
-    /// Cancels a job. An ended job stays as it is. Returns the job as it is afterwards.
+    /// Cancels a job. A job that has ended does not change. Returns the job after the change.
     ///
     /// # Errors
     /// When the store fails.
@@ -144,7 +144,7 @@ impl State {
         self.fitter.planned(digest, recipe).ok().map(|planned| self.forecast.of(&planned))
     }
 
-    /// Why a job without a table is refused. A job that was accepted under another limit goes on.
+    /// The error if a job without a table would take too long. A job that was accepted under another limit continues.
     fn too_expensive(&self, new: &NewJob) -> Result<Option<SubmitError>, ServiceError> {
         let predicted = self.expected(new.recipe_digest, &new.recipe).map_or(0.0, |expected| expected.seconds);
         let limit = self.config.job_seconds;
@@ -156,7 +156,7 @@ impl State {
         Ok((!is_known).then_some(SubmitError::TooExpensive(predicted, limit)))
     }
 
-    /// The job of a stored table: the one that made it, or if that is forgotten one that looks like it.
+    /// The job that made a stored table. If the queue has removed the job, the result is built from the catalogue.
     fn done(&self, new: NewJob, table: Digest) -> Result<Job, ServiceError> {
         let id = JobId::of_recipe(&new.recipe_digest);
         if let Some(job) = self.queue.job(id)?.filter(|job| job.state == JobState::Done { table }) {

@@ -1,4 +1,4 @@
-//! Reading tables: files, lists, manifests, recipes and exports.
+//! Reads tables: files, lists, manifests, recipes and exports. Also deletes tables.
 
 use std::sync::{Arc, PoisonError};
 
@@ -32,17 +32,17 @@ impl Service {
     /// The bytes of a file, verified against its digest.
     ///
     /// # Errors
-    /// When the file is damaged or unreadable. A damaged file is moved to quarantine. The next equal job fits the table
-    /// again.
+    /// When the file is damaged or unreadable. A damaged file is moved to quarantine. Submitting the recipe fits the
+    /// table again.
     pub fn file(&self, kind: FileKind, digest: Digest) -> Result<Option<Bytes>, ServiceError> {
         self.state.files.read(kind, digest)
     }
 
-    /// The manifest of a table (see [`ltcforge_files::manifest::manifest_json`]) as JSON. It is made with the table, or
-    /// now if it is missing or has another version.
+    /// The manifest of a table (see [`ltcforge_files::manifest::manifest_json`]) as JSON. It is stored with the table.
+    /// If it is missing or has another version, this call makes it.
     ///
     /// # Errors
-    /// As [`Self::file`]. The manifest of a damaged table is not served.
+    /// See [`Self::file`]. The manifest of a damaged table is not returned.
     pub fn manifest(&self, digest: Digest) -> Result<Option<String>, ServiceError> {
         let state = &self.state;
         let Some(file) = self.file(FileKind::Table, digest)? else { return Ok(None) };
@@ -98,16 +98,16 @@ impl Service {
         Ok(job.filter(|job| job.recipe_digest == digest).map(|job| (job.recipe, None)))
     }
 
-    /// The exports that the layout of a table allows. An engine may still need another size.
+    /// The exports that the layout of a table allows. An engine may still refuse the size of the table.
     ///
     /// # Errors
-    /// As [`Self::file`].
+    /// See [`Self::file`].
     pub fn exports(&self, table: Digest) -> Result<Option<Vec<Export>>, ExportFailure> {
         let file = self.file(FileKind::Table, table)?;
         file.map(|file| self.state.fitter.exports(table, &file)).transpose()
     }
 
-    /// An export of a table. The first request makes it. It stays in memory while there is room.
+    /// An export of a table. The first request makes it. It is kept in memory while there is room.
     ///
     /// # Errors
     /// See [`ExportFailure`].

@@ -7,7 +7,7 @@ use super::{JobSnapshot, Service, ServiceError, state::State};
 use crate::queue::{Job, JobId, StateName};
 
 impl Service {
-    /// Follows a job. The receiver always has the latest snapshot. After the end of the job it gets no more.
+    /// Follows a job. The receiver always has the latest snapshot. It gets no more snapshots after the job has ended.
     ///
     /// # Errors
     /// When the store fails.
@@ -62,7 +62,7 @@ impl State {
     }
 }
 
-/// Seconds to the end of a running job at its average speed so far.
+/// Seconds until a running job ends, at its average speed so far.
 fn seconds_left(job: &Job) -> Option<f64> {
     if job.state.name() != StateName::Running || job.entries_done == 0 {
         return None;
@@ -74,7 +74,7 @@ fn seconds_left(job: &Job) -> Option<f64> {
 
 #[cfg(test)]
 impl State {
-    /// Number of jobs with a channel.
+    /// Number of jobs that have a channel.
     pub(super) fn hub_len(&self) -> usize {
         self.hub.lock().by_job.len()
     }

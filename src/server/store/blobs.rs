@@ -1,4 +1,4 @@
-//! Blobs, named by the digest of their bytes.
+//! Blobs. The name of a blob is the digest of its bytes.
 
 use std::fmt::Debug;
 
@@ -10,13 +10,13 @@ use ltcforge_files::digest::Digest;
 /// The metadata of a blob.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BlobInfo {
-    /// The digest, which is the name.
+    /// The digest, which is the name of the blob.
     pub digest: Digest,
     /// The time when the blob was stored.
     pub stored_at: Timestamp,
-    /// The time of its last use. In a bucket, the time when it was stored.
+    /// The time when the blob was last used. In a bucket, the time when it was stored.
     pub used_at: Timestamp,
-    /// The size.
+    /// The size of the blob.
     pub bytes: u64,
 }
 
@@ -28,32 +28,32 @@ pub trait Blobs: Send + Sync + Debug {
     /// [`StoreError::DiskFull`], or the storage's error. Then nothing is stored.
     fn put(&self, bytes: &[u8]) -> Result<Digest, StoreError>;
 
-    /// The bytes with this digest, verified; `None` if the blob is missing.
+    /// The bytes of a blob, verified against its digest. `None` if the blob is missing.
     ///
     /// # Errors
-    /// [`StoreError::Corrupt`] if the bytes of a file have another digest. The file is moved to quarantine, and the blob
-    /// is missing from then on. In a bucket, [`StoreError::OtherBytes`].
+    /// [`StoreError::Corrupt`] if the bytes of a file have another digest. The file is then moved to quarantine, so the
+    /// blob is missing. In a bucket, the error is [`StoreError::OtherBytes`].
     fn get(&self, digest: Digest) -> Result<Option<Vec<u8>>, StoreError>;
 
-    /// Times and size of a blob. Its bytes are not read.
+    /// The times and the size of a blob. This does not read its bytes.
     ///
     /// # Errors
     /// The storage's error.
     fn stat(&self, digest: Digest) -> Result<Option<BlobInfo>, StoreError>;
 
-    /// Records that the blob is used now, at most once a minute. Does nothing in a bucket, or if the blob is missing.
+    /// Records that the blob is used now, at most once a minute. Does nothing for a bucket or a missing blob.
     ///
     /// # Errors
     /// The storage's error.
     fn touch(&self, digest: Digest) -> Result<(), StoreError>;
 
-    /// Deletes a blob durably, also on a full disk. A missing blob is not an error.
+    /// Deletes a blob durably, even on a full disk. A missing blob is not an error.
     ///
     /// # Errors
     /// The storage's error.
     fn delete(&self, digest: Digest) -> Result<(), StoreError>;
 
-    /// All blobs, by digest.
+    /// All blobs, sorted by digest.
     ///
     /// # Errors
     /// The storage's error.

@@ -1,4 +1,4 @@
-//! The root certificates that verify servers.
+//! The root certificates for verifying servers.
 
 use std::{env, fs::File};
 
@@ -7,7 +7,7 @@ use rustls::pki_types::CertificateDer;
 /// Loads the system's certificates, or the certificates of `SSL_CERT_FILE` and `SSL_CERT_DIR`.
 ///
 /// # Errors
-/// A sentence that says what is missing: the file of `SSL_CERT_FILE`, or all certificates.
+/// A message if `SSL_CERT_FILE` cannot be read, or if no certificate is found.
 pub(super) fn load() -> Result<Vec<CertificateDer<'static>>, String> {
     let file = env::var_os("SSL_CERT_FILE");
     if let Some(file) = &file {
@@ -16,7 +16,7 @@ pub(super) fn load() -> Result<Vec<CertificateDer<'static>>, String> {
     let loaded = rustls_native_certs::load_native_certs();
     if loaded.certs.is_empty() {
         return Err(match file {
-            Some(file) => format!("SSL_CERT_FILE={} has no certificate", file.display()),
+            Some(file) => format!("SSL_CERT_FILE={} contains no certificate", file.display()),
             None => "the system has no certificates; install ca-certificates or set SSL_CERT_DIR".to_owned(),
         });
     }

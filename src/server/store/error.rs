@@ -19,11 +19,11 @@ pub enum OpenError {
     /// The disk is full.
     #[error("the disk is full")]
     Full,
-    /// The files of the database are damaged, or from an unreleased version.
+    /// The files of the database are damaged, or an unreleased version wrote them.
     #[error("{0}")]
     Damaged(String),
     /// A later version of the program wrote the database.
-    #[error("the database has schema {found}, this program knows schemas up to {known}; use a newer ltcforge")]
+    #[error("the database has schema {found}, but this program knows schemas up to {known}; use a newer ltcforge")]
     FromTheFuture {
         /// The schema of the database.
         found: u32,
@@ -62,7 +62,8 @@ impl From<io::Error> for OpenError {
     }
 }
 
-/// Why the database or the object store of a cluster could not be opened: place, reason and remedy.
+/// Why the database or the object store of a cluster could not be opened. The message contains place, reason and
+/// remedy.
 #[cfg(feature = "cluster")]
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
@@ -84,7 +85,7 @@ pub enum StoreError {
         /// Where the damaged file is now.
         moved_to: PathBuf,
     },
-    /// A bucket returns damaged bytes.
+    /// The object store returns damaged bytes.
     #[error("the object store returns damaged bytes for {0}")]
     OtherBytes(Digest),
     /// The value of a row does not match its hash.
@@ -106,10 +107,10 @@ pub enum StoreError {
     /// The database failed.
     #[error("database: {0}")]
     Database(String),
-    /// The database or the bucket refuses the credentials.
-    #[error("the storage refuses: {0}")]
+    /// The database or the object store refuses the credentials.
+    #[error("the storage refuses the request: {0}")]
     Refused(String),
-    /// The database or the bucket does not answer now.
+    /// The database or the object store cannot be reached.
     #[error("the storage cannot be reached: {0}")]
     Unavailable(String),
 }
@@ -120,7 +121,7 @@ impl StoreError {
         if is_full(source.kind()) { Self::DiskFull } else { Self::Io { path: path.into(), source } }
     }
 
-    /// Whether the error is temporary, such as a lack of file descriptors, connections or disk space. The same
+    /// Whether the error is temporary, such as a lack of file descriptors, connections or disk space. If it is, the
     /// operation may succeed later.
     #[must_use]
     pub fn is_passing(&self) -> bool {

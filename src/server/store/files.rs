@@ -12,7 +12,7 @@ use rustix::fs::OFlags;
 use super::StoreError;
 use ltcforge_files::replace::sync_folder;
 
-/// Creates `folder` and its parents, with durable names.
+/// Creates `folder` and its parents durably.
 ///
 /// # Errors
 /// When the path is not a folder, or the folder cannot be created.
@@ -43,19 +43,19 @@ pub(super) fn move_to_quarantine(path: &Path, quarantine: &Path, stem: &str) -> 
     Ok(target)
 }
 
-/// The metadata of a regular file. Anything else is [`io::ErrorKind::InvalidData`].
+/// The metadata of a regular file. For anything else, the error is [`io::ErrorKind::InvalidData`].
 pub(super) fn regular_metadata(path: &Path) -> io::Result<fs::Metadata> {
     let metadata = path.symlink_metadata()?;
     if !metadata.is_file() {
-        return Err(io::Error::new(io::ErrorKind::InvalidData, "it is not a regular file"));
+        return Err(io::Error::new(io::ErrorKind::InvalidData, "not a regular file"));
     }
     Ok(metadata)
 }
 
-/// The bytes of a regular file. Anything else is not read: a FIFO may block for ever, and a device may be endless.
+/// The bytes of a regular file. Nothing else is read, because a FIFO may block forever, and a device may be endless.
 pub(super) fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
     regular_metadata(path)?;
-    // Another program may have replaced the file meanwhile.
+    // The flags protect against a program that replaces the file after the check.
     let flags = (OFlags::NOFOLLOW | OFlags::NONBLOCK).bits().cast_signed();
     let mut bytes = Vec::new();
     fs::File::options().read(true).custom_flags(flags).open(path)?.read_to_end(&mut bytes)?;

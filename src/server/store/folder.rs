@@ -1,4 +1,4 @@
-//! Blobs as files of a folder.
+//! Blobs as files in a folder.
 
 use std::{
     fs, io,
@@ -15,10 +15,10 @@ use ltcforge_files::{
     replace::{TEMPORARY_PREFIX, replace_file, sync_folder},
 };
 
-/// A file that was used so recently is not touched again.
+/// A file that was touched within this time is not touched again.
 const TOUCHED: Duration = Duration::from_secs(60);
 
-/// Blobs as files `ROOT/ab/ab12...`.
+/// Blobs as files with the paths `ROOT/ab/ab12...`.
 #[derive(Debug)]
 pub struct FolderBlobs {
     root: PathBuf,
@@ -26,7 +26,7 @@ pub struct FolderBlobs {
 }
 
 impl FolderBlobs {
-    /// The blobs of the folder `root`, which other processes may use at the same time.
+    /// The blobs in the folder `root`. Several processes may use the folder at the same time.
     ///
     /// # Errors
     /// When the folder cannot be created.
@@ -35,8 +35,7 @@ impl FolderBlobs {
         Ok(Self { root: root.to_owned(), quarantine: quarantine.to_owned() })
     }
 
-    /// As [`Self::shared`], for the only process that uses the folder: removes the temporary files of writes that a crash
-    /// interrupted.
+    /// Like [`Self::shared`], for a folder that only this process uses. Removes temporary files that a crash has left.
     ///
     /// # Errors
     /// When the folder cannot be created or listed.
@@ -57,7 +56,7 @@ impl FolderBlobs {
         self.root.join(&hex[..2]).join(hex)
     }
 
-    /// All files, by name.
+    /// All files, sorted by name.
     fn files(&self) -> Result<Vec<PathBuf>, StoreError> {
         let list = |folder: &Path| {
             let entries = fs::read_dir(folder).and_then(|entries| {
@@ -75,7 +74,7 @@ impl FolderBlobs {
         Ok(files)
     }
 
-    /// Times and size of a blob's file; `None` if it is missing or not a regular file.
+    /// The times and the size of a blob's file. `None` if it is missing or not a regular file.
     fn info(path: &Path, digest: Digest) -> Result<Option<BlobInfo>, StoreError> {
         let Some(metadata) = found(files::regular_metadata(path), path)? else { return Ok(None) };
         let time = |time: io::Result<SystemTime>| {
@@ -87,7 +86,7 @@ impl FolderBlobs {
     }
 }
 
-/// The result of a file operation; `None` if the file is missing or not a regular file.
+/// The result of a file operation. `None` if the file is missing or not a regular file.
 fn found<T>(answer: io::Result<T>, path: &Path) -> Result<Option<T>, StoreError> {
     match answer {
         Ok(answer) => Ok(Some(answer)),
@@ -101,7 +100,7 @@ impl Blobs for FolderBlobs {
         let digest = Digest::of(bytes);
         match self.get(digest) {
             Ok(Some(_)) => return self.touch(digest).map(|()| digest),
-            // A damaged one has just been moved to quarantine.
+            // A damaged blob has just been moved to quarantine, so it is written again.
             Ok(None) | Err(StoreError::Corrupt { .. }) => {}
             Err(error) => return Err(error),
         }

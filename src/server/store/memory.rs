@@ -17,7 +17,7 @@ pub struct MemoryRows {
 }
 
 impl MemoryRows {
-    /// Rows that replace the database while the disk is full: jobs are refused with [`StoreError::DiskFull`].
+    /// Rows that replace the database while the disk is full. Jobs are refused with [`StoreError::DiskFull`].
     #[must_use]
     pub fn of_full_disk() -> Self {
         Self { refuses_jobs: true, ..Self::default() }

@@ -1,7 +1,7 @@
-//! Migrations of the schema in sled. Each is applied once, in order.
+//! Migrations of the schema in sled. Each migration is applied once, in order.
 //!
 //! Invariant: an applied migration never changes. Its digest is stored and compared at every start. Every change can be
-//! repeated, so a migration that a crash interrupted is applied again.
+//! repeated, so a migration is applied again if a crash interrupted it.
 
 use serde::Deserialize;
 use serde_json::json;
@@ -35,14 +35,14 @@ fn applied(record: &sled::Tree) -> Result<Vec<(u32, Digest)>, OpenError> {
 }
 
 fn other() -> OpenError {
-    OpenError::Damaged("its record of migrations is damaged, or of an unreleased version".to_owned())
+    OpenError::Damaged("its record of migrations is damaged, or an unreleased version wrote it".to_owned())
 }
 
-/// Records the new ones of `migrations`. They only create trees, which opening the database does. A record without
-/// migrations is an error unless the database is new.
+/// Records the migrations that are not recorded yet. They only create trees, which already happens when the database is
+/// opened. An empty record is an error unless the database is new.
 ///
 /// # Errors
-/// When the database is newer than `migrations`, when different migrations were applied to it, or when it fails.
+/// When the database is newer than `migrations`, when other migrations were applied to it, or when it fails.
 pub(super) fn apply(db: &sled::Db, is_new: bool, migrations: &[&str]) -> Result<(), OpenError> {
     let known = u32::try_from(migrations.len()).unwrap_or(u32::MAX);
     let record = db.open_tree(RECORD)?;

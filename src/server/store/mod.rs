@@ -1,4 +1,4 @@
-//! The data on disk: blobs by digest, and small rows.
+//! The stored data: blobs, named by their digest, and small rows in a database.
 //!
 //! Invariant: `store` knows neither HTTP nor LTC. Blobs and recipes are opaque bytes here.
 //!
@@ -55,5 +55,5 @@ pub use sled_rows::SledRows;
 pub(crate) use tests::power::PowerRows;
 pub use tree::Tree;
 
-/// The fault of a data folder on a full disk.
+/// The message when the disk of the data folder is full.
 const DISK_FULL: &str = "the disk of the data folder is full; free some space";

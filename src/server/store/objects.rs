@@ -11,11 +11,11 @@ use object_store::{Error, ObjectMeta, ObjectStore, ObjectStoreExt as _, PutPaylo
 use super::{BlobInfo, Blobs, ConnectError, StoreError, threads::Threads};
 use ltcforge_files::digest::Digest;
 
-/// Maximum bytes of one upload request. At 350 kB per second, two concurrent requests end before the timeout.
+/// Maximum bytes of one upload request. Even at 350 kB per second, two concurrent requests end before the timeout.
 const PART: usize = 5 << 20;
 const PARTS_AT_ONCE: usize = 2;
 
-/// Blobs in an object store, as `PREFIX/ab/ab12...`.
+/// Blobs in an object store, under the names `PREFIX/ab/ab12...`.
 #[derive(Debug)]
 pub struct ObjectBlobs {
     threads: Threads,
@@ -24,11 +24,11 @@ pub struct ObjectBlobs {
 }
 
 impl ObjectBlobs {
-    /// Opens the blobs at `url`, such as `s3://BUCKET/PREFIX`. The bucket must exist. With `writes`, a test object is
+    /// Opens the blobs at `url`, such as `s3://BUCKET/PREFIX`. The bucket must exist. If `writes`, a test object is
     /// written to it.
     ///
     /// # Errors
-    /// The reason, as a text.
+    /// The reason, as text.
     pub fn open(url: &str, writes: bool) -> Result<Self, ConnectError> {
         let (store, prefix) = connect::connect(url)?;
         let blobs = Self::new(store, prefix)
@@ -57,7 +57,7 @@ impl ObjectBlobs {
         let mut parts = WriteMultipart::new_with_chunk_size(self.store.put_multipart(path).await?, PART);
         for part in bytes.chunks(PART) {
             if let Err(error) = parts.wait_for_capacity(PARTS_AT_ONCE).await {
-                // If this also fails, a lifecycle rule of the bucket removes the parts.
+                // If this also fails, a lifecycle rule of the bucket should remove the parts.
                 let _ = parts.abort().await;
                 return Err(error);
             }
@@ -67,7 +67,7 @@ impl ObjectBlobs {
     }
 }
 
-/// The result of a request for an object; `None` if the object is missing.
+/// The result of a request for an object. `None` if the object is missing.
 fn found<T>(answer: Result<T, Error>) -> Result<Option<T>, StoreError> {
     match answer {
         Ok(answer) => Ok(Some(answer)),
@@ -83,7 +83,7 @@ fn failure(error: &Error) -> StoreError {
     }
 }
 
-/// The blob of an object; `None` if its name is not a digest.
+/// The metadata of an object. `None` if its name is not a digest.
 fn info(object: &ObjectMeta) -> Option<BlobInfo> {
     let digest = object.location.filename()?.parse().ok()?;
     let stored_at = Timestamp::from_microsecond(object.last_modified.timestamp_micros()).ok()?;
@@ -91,14 +91,14 @@ fn info(object: &ObjectMeta) -> Option<BlobInfo> {
 }
 
 impl Blobs for ObjectBlobs {
-    /// Writes the object even if it exists, which repairs a damaged one.
+    /// Writes the object even if it exists, which repairs a damaged object.
     fn put(&self, bytes: &[u8]) -> Result<Digest, StoreError> {
         let digest = Digest::of(bytes);
         self.block_on(self.upload(&self.path(digest), bytes)).map_err(|error| failure(&error))?;
         Ok(digest)
     }
 
-    /// Bytes with another digest are a temporary error. A proxy may have damaged them, and the object may be intact.
+    /// Damaged bytes are a temporary error, because a proxy may have damaged them while the object is intact.
     fn get(&self, digest: Digest) -> Result<Option<Vec<u8>>, StoreError> {
         let path = self.path(digest);
         for _ in 0..2 {

@@ -14,17 +14,17 @@ use super::{Blobs, FolderBlobs, MemoryRows, OpenError, Rows, SledRows, files};
 pub struct Store {
     /// Tables and BRDFs by digest.
     pub blobs: Arc<dyn Blobs>,
-    /// Jobs and the list of tables.
+    /// Jobs and the catalogue of files.
     pub rows: Arc<dyn Rows>,
     /// Whether the database was opened. `false` if it was damaged and moved to quarantine, or if the disk is full and
     /// the rows are in memory.
     pub is_clean: bool,
-    /// Dropping the file unlocks the folder. A store shared by processes has no folder.
+    /// Dropping the file unlocks the folder. A shared store has no folder.
     _lock: Option<File>,
 }
 
 impl Store {
-    /// A store that any number of processes share.
+    /// A store that several processes share.
     #[must_use]
     pub fn shared(blobs: Arc<dyn Blobs>, rows: Arc<dyn Rows>) -> Self {
         Self { blobs, rows, is_clean: true, _lock: None }
@@ -33,9 +33,9 @@ impl Store {
 
 /// Opens the data folder `dir`. Creates it if it is missing. Reads every row of the database.
 ///
-/// A database that is damaged or from an unreleased version is moved to `quarantine/db-N`, and an empty one replaces
-/// it. On a full disk the database stays closed, and the rows are in memory: jobs are refused, but blobs can be read
-/// and deleted.
+/// A database that is damaged or from an unreleased version is moved to `quarantine/db-N`, and an empty database
+/// replaces it. On a full disk the database stays closed, and the rows are in memory. Jobs are then refused, but blobs
+/// can be read and deleted.
 ///
 /// # Errors
 /// See [`OpenError`].
@@ -47,7 +47,7 @@ pub fn open(dir: &Path) -> Result<Store, OpenError> {
     let (rows, is_clean): (Arc<dyn Rows>, bool) = match open_rows(&dir.join("db"), &quarantine) {
         Err(OpenError::Full) => {
             tracing::error!(
-                "the disk is full: the database stays closed, and jobs are refused; free some space and start the service again"
+                "the disk is full, so the database stays closed and jobs are refused; free some space and restart the service"
             );
             (Arc::new(MemoryRows::of_full_disk()), false)
         }
@@ -67,7 +67,7 @@ fn open_rows(folder: &Path, quarantine: &Path) -> Result<(SledRows, bool), OpenE
     tracing::error!(
         reason,
         moved_to = %to.display(),
-        "the database was moved to quarantine and an empty one was created: unfinished jobs are lost, tables are not"
+        "the database was moved to quarantine, and an empty one was created; unfinished jobs are lost, tables are not"
     );
     files::make_folder(folder)?;
     SledRows::open(folder).map(|rows| (rows, false))

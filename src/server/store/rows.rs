@@ -1,10 +1,10 @@
-//! Small rows in ordered trees: the interface of the database.
+//! The interface of the database: small rows in ordered trees.
 
 use std::fmt::Debug;
 
 use super::{StoreError, Tree};
 
-/// Changes that are made together or not at all.
+/// Changes that are applied together or not at all.
 #[derive(Debug, Clone, Default)]
 pub struct Batch {
     pub(super) changes: Vec<(Tree, Vec<u8>, Option<Vec<u8>>)>,
@@ -64,10 +64,10 @@ pub trait Rows: Send + Sync + Debug {
     /// Applies `batch` durably.
     ///
     /// # Errors
-    /// [`StoreError::DiskFull`], or the database's error. After the next start, either the whole batch is stored or
+    /// [`StoreError::DiskFull`], or the database's error. After a restart, either the whole batch is stored or
     /// nothing.
     fn commit(&self, batch: &Batch) -> Result<(), StoreError>;
 
-    /// The reason why a job cannot be stored now; `None` if it can.
+    /// The reason why a job cannot be stored now. `None` if it can be stored.
     fn fault(&self) -> Option<String>;
 }

@@ -1,17 +1,17 @@
-//! The hash in front of each stored value. It detects damaged values, which sled does not.
+//! Each stored value starts with a hash. The hash detects damaged values, which sled does not detect.
 
 use sha2::{Digest as _, Sha256};
 
 /// Length of the hash in bytes.
 const SEAL_BYTES: usize = 8;
 
-/// A value with its hash in front: the first bytes of the SHA-256 of tree, key and value. It detects bit flips and
-/// values under a wrong key.
+/// Puts a hash in front of a value: the first bytes of the SHA-256 of tree, key and value. The hash detects bit flips
+/// and values under a wrong key.
 pub(super) fn seal(tree: &str, key: &[u8], value: &[u8]) -> Vec<u8> {
     [&hash(tree, key, value)[..], value].concat()
 }
 
-/// The inverse of [`seal`]; `None` when the hash does not match.
+/// The inverse of [`seal`]. `None` if the hash does not match.
 pub(super) fn unseal(tree: &str, key: &[u8], sealed: &[u8]) -> Option<Vec<u8>> {
     let (found, value) = sealed.split_at_checked(SEAL_BYTES)?;
     (found == hash(tree, key, value)).then(|| value.to_vec())

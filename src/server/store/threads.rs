@@ -4,7 +4,7 @@ use std::io;
 
 use tokio::runtime::{Builder, Runtime};
 
-/// A thread that runs async work. Dropping this ends it, also in an async task.
+/// A thread that runs async work. Dropping the value ends the thread, even in an async task.
 #[derive(Debug)]
 pub(super) struct Threads(Option<Runtime>);
 
@@ -18,10 +18,10 @@ impl Threads {
             .map(|runtime| Self(Some(runtime)))
     }
 
-    /// Runs `work` to its end on this thread.
+    /// Runs `work` to completion and blocks the calling thread until then.
     pub(super) fn block_on<T>(&self, work: impl Future<Output = T>) -> T {
         // Only `drop` removes the runtime.
-        self.0.as_ref().unwrap_or_else(|| unreachable!("the storage was used while it was dropped")).block_on(work)
+        self.0.as_ref().unwrap_or_else(|| unreachable!("the storage was used after it was dropped")).block_on(work)
     }
 }
 

@@ -1,26 +1,26 @@
 //! The trees of the database.
 
-/// A tree of the database. `migrations/` creates the trees. Each variant documents its key and value.
+/// A tree of the database. The migrations create the trees. The comment of each variant is `key: value`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Tree {
-    /// Job id: the job and its shards.
+    /// Job id: job and shards.
     Jobs,
-    /// Job id and shard number, big-endian: the result of a finished shard, until the job ends.
+    /// Job id and big-endian shard number: result of the finished shard. Deleted when the job ends without a failure.
     Results,
-    /// Table digest: its row in the list of tables.
+    /// Table digest: row in the list of tables.
     Tables,
-    /// Microseconds since 1970, big-endian, and table digest: no value.
+    /// Big-endian microseconds since 1970, and table digest: empty value.
     TablesByAge,
-    /// Recipe digest: the recipe and its table.
+    /// Recipe digest: recipe and table digest.
     Recipes,
-    /// Table digest: the version of its manifest, and the manifest.
+    /// Table digest: version of the manifest, and manifest.
     Manifests,
-    /// BRDF digest: its row in the list of BRDFs.
+    /// BRDF digest: row in the list of BRDFs.
     Brdfs,
 }
 
 impl Tree {
-    /// Every tree.
+    /// All trees.
     pub const ALL: [Self; 7] =
         [Self::Jobs, Self::Results, Self::Tables, Self::TablesByAge, Self::Recipes, Self::Manifests, Self::Brdfs];
 

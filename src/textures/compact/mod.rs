@@ -1,6 +1,6 @@
-//! A table in its compact form: the bytes alone, or with a decoder in JavaScript, Rust or WGSL.
+//! A table in its compact form: only the bytes, or with a decoder in JavaScript, Rust or WGSL.
 
-// The decoder that `compact-rust` writes, compiled into this program.
+// The decoder that the container `compact-rust` writes, compiled into this program for tests.
 #[cfg(test)]
 #[allow(unreachable_pub, clippy::pedantic, dead_code, reason = "other crates compile this module on its own")]
 #[path = "../../files/compact/decoder.rs"]
@@ -17,23 +17,23 @@ use ltcforge_files::compact::{self, CompactError, LAYOUTS, check_lobes, encode_l
 use ltcforge_fit::{Layout, Table, named_list};
 
 named_list! {
-    /// A file with a table's compact form.
+    /// A container for a table's compact form.
     pub enum CompactContainer {
-        /// The bytes, as `ltcforge_files::compact` describes them.
+        /// The bytes that `ltcforge_files::compact` describes.
         Bytes = "compact",
-        /// An ES module: the bytes in base64, and functions that make textures of them.
+        /// An ES module: the bytes in base64, and functions that create textures from them.
         JavaScript = "compact-js",
-        /// The bytes, and a Rust module that decodes them without a crate.
+        /// The bytes, and a Rust module that decodes them without other crates.
         Rust = "compact-rust",
         /// The bytes, and a WGSL module that decodes them on the GPU.
         Wgsl = "compact-wgsl",
     }
 }
 
-/// The table has no such files.
+/// The table has no files of this kind.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum CompactFileError {
-    /// The layout has no compact form, or the decoder makes no textures of it.
+    /// The layout has no compact form, or the decoder cannot create textures from it.
     #[error(
         "{container} supports layouts {allowed}, but the table has layout {layout}; this recipe gives a supported table: \
          {recipe}"
@@ -56,10 +56,10 @@ pub enum CompactFileError {
 /// The decoder in JavaScript.
 const DECODER: &str = include_str!("decoder.js");
 
-/// Makes textures of the bytes in Rust, with [`compact::DECODER`].
+/// The Rust code that creates textures from the bytes. It uses [`compact::DECODER`].
 const RUST_DECODER: &str = include_str!("decoder.rs");
 
-/// The module's own functions.
+/// The functions of the module itself.
 const MODULE: &str = "
 // The textures of this module's table, and the table itself.
 export function createTextures() {
@@ -105,7 +105,7 @@ impl CompactContainer {
         })
     }
 
-    /// The files of a table; their names begin with `stem`.
+    /// The files of a table. Their names start with `stem`.
     ///
     /// # Errors
     /// The table has no compact form.
@@ -115,7 +115,7 @@ impl CompactContainer {
         self.files_of_lobes(stem, forms, about)
     }
 
-    /// The files of the compact forms of a table's lobes. Names for the second lobe begin with `stem` and `_2`.
+    /// The files for the compact forms of a table's lobes. Names for the second lobe start with `stem` and `_2`.
     pub(super) fn files_of_lobes(
         self,
         stem: &str,
@@ -127,7 +127,7 @@ impl CompactContainer {
         Ok(files.collect::<Result<Vec<_>, _>>()?.concat())
     }
 
-    /// The files of a compact form in this container.
+    /// The files for one compact form in this container.
     fn files_of(self, stem: &str, bytes: Vec<u8>, about: &About) -> Result<Vec<TextureFile>, CompactFileError> {
         let file = |ending: &str, bytes: Vec<u8>| TextureFile {
             path: format!("{stem}.{ending}"),
@@ -159,12 +159,12 @@ impl CompactContainer {
         })
     }
 
-    /// Instructions for the files, one sentence each.
+    /// Instructions for the files. Each is one sentence.
     #[must_use]
     pub fn steps(self, stem: &str) -> Vec<String> {
         match self {
             Self::Bytes => vec![format!(
-                "Read {stem}.compact with ltcforge::files::compact::decode, or with a decoder of compact-js, compact-rust or \
+                "Read {stem}.compact with ltcforge::files::compact::decode, or with the decoder of compact-js, compact-rust or \
                  compact-wgsl."
             )],
             Self::JavaScript => vec![format!(
@@ -172,10 +172,10 @@ impl CompactContainer {
                  data in 32 bits."
             )],
             Self::Rust => vec![format!(
-                "Include {stem}.compact.rs by #[path = \"{stem}.compact.rs\"] mod ltc; and call ltc::textures() once at load."
+                "Include {stem}.compact.rs with #[path = \"{stem}.compact.rs\"] mod ltc; and call ltc::textures() once at load."
             )],
             Self::Wgsl => vec![format!(
-                "Bind {stem}.compact as {stem}.compact.wgsl describes, and run its two passes once. Its texels are the textures."
+                "Bind {stem}.compact as {stem}.compact.wgsl describes, and run its two passes once. The output buffer holds the textures."
             )],
         }
     }

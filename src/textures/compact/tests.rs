@@ -1,4 +1,4 @@
-//! The JavaScript module, run by Node.js, compared with the decoder in Rust.
+//! Compares the JavaScript module, run by Node.js, with the decoder in Rust.
 
 use std::{fs, process::Command};
 
@@ -25,7 +25,7 @@ write( 'nodes', Float32Array.from( Object.values( table.axes ).flatMap( nodes =>
 if ( process.argv[ 2 ] === 'textures' ) createTextures().forEach( ( texture, i ) => write( 'texture' + i, texture.data ) );
 ";
 
-/// Runs the module of a table. The arrays by name, or `None` without Node.js.
+/// Runs the module for a table. The folder has an array per file. `None` without Node.js.
 fn run(table: &Table, textures: bool) -> Option<tempfile::TempDir> {
     if Command::new("node").arg("--version").output().is_err() {
         eprintln!("SKIPPED: no node on this machine, so the decoder in JavaScript is not run");
@@ -48,7 +48,7 @@ fn floats(folder: &tempfile::TempDir, name: &str) -> Vec<f32> {
     bytes.as_chunks::<4>().0.iter().map(|word| f32::from_le_bytes(*word)).collect()
 }
 
-/// Waves in every channel, and an edge that needs corrections.
+/// A table with waves in every channel, and an edge that needs corrections.
 fn wavy(layout: Layout, has_terms: bool) -> Table {
     planted(layout, [9, 4, 7, 5], has_terms, |channel, place| {
         let wave = 0.01 * (channel as f64 + 1.0) * place[0] * (place[2] - 0.5) * (1.0 - place[3]);
@@ -56,7 +56,7 @@ fn wavy(layout: Layout, has_terms: bool) -> Table {
     })
 }
 
-/// Layout `reflected` uses only arithmetic with the same bits on every platform. The other layouts also use the
+/// Layout `reflected` uses only arithmetic that has the same bits on every platform. The other layouts also use the
 /// platform's sines.
 #[test]
 fn javascript_decodes_the_same_numbers() {
@@ -88,7 +88,7 @@ fn javascript_decodes_the_same_numbers() {
 }
 
 #[test]
-fn javascript_makes_the_textures_of_our_own_shader() {
+fn javascript_creates_the_textures_of_our_own_shader() {
     let table = wavy(Layout::Reflected, true);
     let Some(folder) = run(&table, true) else { return };
     let decoded = decode(&unmeasured(&table)).expect("a table");
@@ -98,7 +98,7 @@ fn javascript_makes_the_textures_of_our_own_shader() {
 }
 
 #[test]
-fn javascript_makes_an_engine_s_textures() {
+fn javascript_creates_the_textures_of_an_engine() {
     let table = wavy(Layout::Ltc2017, true);
     let Some(folder) = run(&table, true) else { return };
     let (alphas, thetas) = (9, 7);
@@ -116,9 +116,9 @@ fn javascript_makes_an_engine_s_textures() {
     }
 }
 
-/// The textures that a Rust module makes, in a program compiled by rustc.
+/// Compiles the Rust module with rustc and checks the textures that it creates.
 #[test]
-fn rust_makes_the_textures() {
+fn rust_creates_the_textures() {
     const PRINT: &str = "#[path = \"ltc.compact.rs\"]
 mod ltc;
 fn main() {
@@ -127,7 +127,7 @@ fn main() {
 }
 ";
     if Command::new("rustc").arg("--version").output().is_err() {
-        eprintln!("SKIPPED: no rustc on this machine, so the decoder in Rust is not compiled by itself");
+        eprintln!("SKIPPED: no rustc on this machine, so the Rust decoder is not compiled without this crate");
         return;
     }
     let folder = tempfile::tempdir().expect("a folder");
@@ -149,13 +149,13 @@ fn main() {
 }
 
 #[test]
-fn the_decoder_that_stands_alone_makes_an_engine_s_textures() {
+fn the_standalone_decoder_creates_the_textures_of_an_engine() {
     let layout = Layout::Ltc2017;
     for has_terms in [true, false] {
         let bytes = unmeasured(&wavy(layout, has_terms));
         let found = decoder::decode(&bytes).expect("textures");
         let wanted = textures_of(&decode(&bytes).expect("a table"), layout.name());
-        // Engines' textures need terms.
+        // The textures of engines need terms.
         let Ok(wanted) = wanted else {
             assert!(!has_terms, "{layout}");
             assert!(found[1].texels.iter().all(|x| x.is_finite()));
@@ -172,7 +172,7 @@ fn the_decoder_that_stands_alone_makes_an_engine_s_textures() {
 
 proptest! {
     #[test]
-    fn the_decoder_that_stands_alone_survives_hostile_bytes(
+    fn the_standalone_decoder_survives_hostile_bytes(
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 0..6),
         cut in prop::option::of(any::<prop::sample::Index>()), layout in prop::sample::select(&[Layout::Reflected, Layout::Ltc2017][..]),
     ) {

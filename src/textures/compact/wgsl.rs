@@ -1,4 +1,4 @@
-//! The decoder in WGSL: `shaders/ltc_decode.wgsl` with a table's constants.
+//! The decoder in WGSL: `shaders/ltc_decode.wgsl`, with constants for a table.
 
 use std::fmt::Write as _;
 
@@ -6,20 +6,20 @@ use crate::about::About;
 use ltcforge_files::compact::{CompactError, Outline};
 use ltcforge_fit::Layout;
 
-/// The parts of the decoder, each after the parts it needs.
+/// The source files of the decoder. Each follows the files that it needs.
 const SOURCES: [&str; 4] =
     [ltcforge_wgsl::LTC_MATH, ltcforge_wgsl::LAYOUT_REFLECTED, ltcforge_wgsl::LTC_SMOOTH, ltcforge_wgsl::LTC_DECODE];
-/// The integers that a dispatch of the first pass reads, and the extra integers that it leaves to the next, as in the
-/// shader.
+/// The number of integers that one dispatch of the first pass reads, and the number of extra integers that it passes to
+/// the next dispatch, as in the shader.
 const AT_ONCE: usize = 1024;
 const STATE: usize = 2 * 339 + 4;
 
-/// The sizes of the buffers that a host creates for the decoder.
+/// Sizes of the buffers that the host must create for the decoder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Sizes {
-    /// Integers of a channel.
+    /// The number of integers per channel.
     slot: usize,
-    /// Entries of the table, which is also the number of texels of each texture.
+    /// The number of entries of the table, which is also the number of texels of each texture.
     entries: usize,
     /// The number of textures.
     textures: usize,

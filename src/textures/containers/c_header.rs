@@ -8,10 +8,10 @@ use super::rules::Stored;
 use crate::{about::About, digits::shortest};
 use ltcforge_fit::Precision;
 
-/// A header with all textures: arrays of `float`, or of `uint16_t` with the bits of halves.
+/// A header with all textures, as arrays of `float`, or of `uint16_t` with the bits of halves.
 ///
-/// The guard and the arrays have different names for each table and layout, so that a program can include several
-/// headers. Short names are defined too, unless `LTCFORGE_LONG_NAMES` is defined before.
+/// The names of the guard and the arrays differ for each table and layout, so a program can include several headers.
+/// Short names are also defined, unless `LTCFORGE_LONG_NAMES` is already defined.
 pub(super) fn text(stem: &str, textures: &[Stored<'_>], about: &About) -> String {
     let suffix = about.suffix();
     let guard = format!("ltcforge_{stem}{suffix}_h").to_ascii_uppercase();
@@ -43,7 +43,7 @@ pub(super) fn text(stem: &str, textures: &[Stored<'_>], about: &About) -> String
     text
 }
 
-/// The constants for the sizes of a texture.
+/// The constants for the side lengths of a texture.
 pub(super) fn sides(stored: &Stored<'_>) -> [(&'static str, usize); 5] {
     let texture = stored.texture;
     let [width, height, depth, layers] =
@@ -51,7 +51,7 @@ pub(super) fn sides(stored: &Stored<'_>) -> [(&'static str, usize); 5] {
     [("WIDTH", width), ("HEIGHT", height), ("DEPTH", depth), ("LAYERS", layers), ("CHANNELS", texture.channels.len())]
 }
 
-/// The numbers as code: floats in the form of `single`, halves as their bits.
+/// The numbers as code. `single` formats floats, and halves are written as their bits.
 pub(super) fn numbers(stored: &Stored<'_>, single: impl Fn(f32) -> String) -> String {
     match stored.rounded.precision {
         Precision::F32 => stored.rows(single),
@@ -59,7 +59,7 @@ pub(super) fn numbers(stored: &Stored<'_>, single: impl Fn(f32) -> String) -> St
     }
 }
 
-/// A number that is a float in every language, with a point or an exponent.
+/// A number that every language reads as a float: it has a point or an exponent.
 pub(super) fn float(x: f32) -> String {
     let text = shortest(x, Precision::F32);
     if text.contains(['.', 'e']) { text } else { text + ".0" }

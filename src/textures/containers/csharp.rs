@@ -8,9 +8,9 @@ use super::{
 };
 use crate::about::About;
 
-/// A static class with all textures, as arrays of `float`, or of `ushort` with the bits of halves, which Unity's
-/// `Texture2D.SetPixelData` accepts. Its name is `Ltcforge` plus layout and digits of the table, so that a program can
-/// compile several classes.
+/// A static class with all textures, as arrays of `float`, or of `ushort` with the bits of halves. Unity's
+/// `Texture2D.SetPixelData` accepts both. The name of the class is `Ltcforge`, followed by the layout and the first
+/// digits of the table's digest, so a program can compile several classes.
 pub(super) fn text(textures: &[Stored<'_>], about: &About) -> String {
     let mut text = format!("{}\npublic static class Ltcforge{}\n{{", about.comment(), about.suffix());
     for stored in textures {

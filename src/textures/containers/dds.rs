@@ -1,8 +1,8 @@
 //! `DirectDraw` Surface [Microsoft, DDS programming guide].
 //!
-//! The header of Direct3D 9 has 128 bytes and names the format by a `FourCC`, as in the published tables of 2017. It
-//! describes 2D and 3D textures with 1, 2 and 4 channels. The header of Direct3D 10 has 148 bytes and also describes
-//! arrays, and 3 channels of 32 bits. The format has no place for comments.
+//! The Direct3D 9 header has 128 bytes and names the format by a `FourCC`, as in the published tables of 2017. It
+//! describes 2D and 3D textures with 1, 2 and 4 channels. The Direct3D 10 header has 148 bytes and also describes
+//! arrays, and 3 channels of 32 bits. The format has no comments.
 
 use ddsfile::{
     AlphaMode, Caps2, D3D10ResourceDimension, D3DFormat, DxgiFormat, FourCC, NewD3dParams, NewDxgiParams, PixelFormat,
@@ -13,10 +13,10 @@ use super::rules::Stored;
 use crate::file::TextureFileError;
 use ltcforge_fit::Precision;
 
-/// The name in errors.
+/// The format's name in errors.
 const NAME: &str = "DDS";
 
-/// The depth; `None` for a texture without depth.
+/// The depth. `None` for a texture without depth.
 fn depth(stored: &Stored<'_>) -> (Option<u32>, Option<Caps2>) {
     match stored.texture.depth {
         1 => (None, None),
@@ -24,7 +24,7 @@ fn depth(stored: &Stored<'_>) -> (Option<u32>, Option<Caps2>) {
     }
 }
 
-/// The file of one texture with the header of Direct3D 9, or of Direct3D 10 if the format requires it.
+/// The file of one texture, with the Direct3D 9 header, or with the Direct3D 10 header if the format requires it.
 pub(super) fn encode(stored: &Stored<'_>) -> Result<Vec<u8>, TextureFileError> {
     let (format, fourcc) = match (stored.rounded.precision, stored.texture.channels.len()) {
         _ if stored.texture.layers > 1 => return dx10(stored),
@@ -43,7 +43,7 @@ pub(super) fn encode(stored: &Stored<'_>) -> Result<Vec<u8>, TextureFileError> {
     written(dds, fourcc, stored)
 }
 
-/// The file of one texture with the header of Direct3D 10.
+/// The file of one texture, with the Direct3D 10 header.
 pub(crate) fn dx10(stored: &Stored<'_>) -> Result<Vec<u8>, TextureFileError> {
     let texture = stored.texture;
     stored.at_most_four(NAME)?;
@@ -77,13 +77,13 @@ pub(crate) fn dx10(stored: &Stored<'_>) -> Result<Vec<u8>, TextureFileError> {
             None => D3D10ResourceDimension::Texture2D,
             Some(_) => D3D10ResourceDimension::Texture3D,
         },
-        // The fourth channel is not an alpha but a number like the others.
+        // The fourth channel is a number like the others, not an alpha.
         alpha_mode: AlphaMode::Custom,
     });
     written(dds, FourCC::DX10, stored)
 }
 
-/// The crate counts bytes with 32 bits.
+/// Rejects large textures, because the crate counts bytes in 32 bits.
 fn small_enough(stored: &Stored<'_>) -> Result<(), TextureFileError> {
     let bytes = stored.rounded.numbers.len() as u64 * stored.rounded.number_bytes() as u64;
     if u32::try_from(bytes).is_ok() {
@@ -92,8 +92,8 @@ fn small_enough(stored: &Stored<'_>) -> Result<(), TextureFileError> {
     Err(stored.unsupported(NAME, "texels", format!("{bytes} bytes"), "less than 4 GiB"))
 }
 
-/// The bytes of a file with this `FourCC`. The crate writes formats of a known width as colours with masks. Here the
-/// `FourCC` alone identifies the format, such as 113.
+/// The bytes of a file with this `FourCC`. The crate writes formats of a known width as colours with masks. Here only
+/// the `FourCC`, such as 113, identifies the format.
 fn written(
     dds: Result<ddsfile::Dds, ddsfile::Error>,
     fourcc: u32,

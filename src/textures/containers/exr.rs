@@ -1,8 +1,8 @@
-//! `OpenEXR`: a picture with named channels.
+//! `OpenEXR`: pictures with named channels.
 //!
-//! There is a part for each slice of a 3D texture or an array, in order, named after the texture and its slice. Lines
-//! are not compressed, so the bytes do not depend on the version of a compressor. Comments are in the attribute
-//! `comments` of each part.
+//! A file has one part for each slice of a 3D texture or an array, in order. A part is named after the texture and the
+//! slice. Lines are not compressed, so the bytes do not depend on the version of a compressor. The attribute `comments`
+//! of each part holds the comments.
 
 use std::io::Cursor;
 
@@ -16,12 +16,12 @@ use super::rules::Stored;
 use crate::{about::About, file::TextureFileError};
 use ltcforge_fit::Precision;
 
-/// `OpenEXR`.
+/// The file of one texture.
 pub(super) fn encode(stored: &Stored<'_>, about: &About) -> Result<Vec<u8>, TextureFileError> {
     let texture = stored.texture;
     let size = Vec2(texture.width as usize, texture.height as usize);
     let slice_numbers = size.0 * size.1 * texture.channels.len();
-    // OpenEXR's own library uses UTF-8; the crate's checked constructors accept only Latin-1.
+    // `OpenEXR`'s own library uses UTF-8, but the crate's checked constructors accept only Latin-1.
     let comments = Text::from_slice_unchecked(about.lines().join("\n").as_bytes());
     let mut layers: Vec<Layer<AnyChannels<FlatSamples>>> = Vec::new();
     for (place, slice) in stored.rounded.numbers.chunks_exact(slice_numbers).enumerate() {

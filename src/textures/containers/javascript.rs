@@ -9,7 +9,7 @@ use super::{
 use crate::{about::About, digits::shortest};
 use ltcforge_fit::Precision;
 
-/// A module with all textures: `Float32Array`, or a `Uint16Array` with the bits of halves, which WebGL accepts.
+/// A module with all textures: a `Float32Array`, or a `Uint16Array` with the bits of halves. WebGL accepts both.
 pub(super) fn text(textures: &[Stored<'_>], about: &About) -> String {
     let mut text = about.comment();
     for stored in textures {

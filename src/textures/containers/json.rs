@@ -1,19 +1,19 @@
-//! JSON: each texture's sizes, channels and numbers.
+//! JSON: the sizes, channels and numbers of each texture.
 
 use serde_json::{Value, json};
 
 use super::rules::Stored;
 use crate::{about::About, digits::shortest};
 
-/// A document with all textures. Numbers have the shortest digits that give the stored number again; for 16 bits, the
-/// stored half.
+/// A document with all textures. Each number has the fewest digits that read back as the stored number. For 16 bits,
+/// this is the stored half.
 pub(super) fn text(textures: &[Stored<'_>], about: &About) -> String {
     let texts: Vec<String> = textures.iter().map(texture).collect();
     let about = json!(about.lines());
     format!("{{\"about\": {about},\n\"textures\": [{}]}}\n", texts.join(",\n"))
 }
 
-/// The numbers are written as text, because a JSON value would print other digits.
+/// A texture as JSON text. A JSON value would print its numbers with other digits.
 fn texture(stored: &Stored<'_>) -> String {
     let numbers = stored.rows(|x| shortest(x, stored.rounded.precision));
     let head = head(stored).to_string();

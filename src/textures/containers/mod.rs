@@ -1,6 +1,6 @@
-//! File formats that hold textures, one file each.
+//! File formats for textures, with one source file per format.
 //!
-//! A new format needs a file and a line in [`TextureContainer`].
+//! A new format needs a source file and a line in [`TextureContainer`].
 
 mod c_header;
 mod csharp;
@@ -28,23 +28,23 @@ use super::{
 use ltcforge_fit::{Precision, named_list};
 
 named_list! {
-    /// A file format that holds textures.
+    /// A file format for textures.
     pub enum TextureContainer {
-        /// Khronos' KTX 2.0, uncompressed, for any loader of KTX2.
+        /// KTX 2.0 of Khronos, uncompressed. Any KTX2 loader can read it.
         Ktx2 = "ktx2",
         /// KTX 2.0 with zstd supercompression.
         Ktx2Zstd = "ktx2-zstd",
-        /// `DirectDraw` Surface with the header of Direct3D 9, or of Direct3D 10 if the texture requires it.
+        /// `DirectDraw` Surface with the Direct3D 9 header, or with the Direct3D 10 header if the texture requires it.
         Dds = "dds",
-        /// `DirectDraw` Surface with the header of Direct3D 10.
+        /// `DirectDraw` Surface with the Direct3D 10 header.
         DdsDx10 = "dds-dx10",
-        /// `OpenEXR` with named channels, a part for each slice.
+        /// `OpenEXR` with named channels and one part per slice.
         Exr = "exr",
-        /// `NumPy`'s array, C order.
+        /// A `NumPy` array in C order.
         Npy = "npy",
-        /// `NumPy`'s archive of arrays, uncompressed.
+        /// A `NumPy` archive of arrays, uncompressed.
         Npz = "npz",
-        /// The numbers alone, little-endian, next to a JSON document that describes them.
+        /// Only the numbers, little-endian, and a JSON document that describes them.
         Raw = "raw",
         /// Arrays for C and C++.
         CHeader = "c",
@@ -60,7 +60,7 @@ named_list! {
 }
 
 impl TextureContainer {
-    /// The files with these textures: a single file whose name begins with `stem`, or one file for each texture.
+    /// The files with these textures: a single file whose name starts with `stem`, or one file per texture.
     ///
     /// # Errors
     /// A texture is inconsistent, two textures have the same name, or the format cannot store a texture.

@@ -1,4 +1,4 @@
-//! `NumPy`'s `.npz` archive: a ZIP file of `.npy` files, stored without compression and without a time.
+//! `NumPy`'s `.npz` archive: a ZIP file of `.npy` files, without compression or timestamps.
 
 use std::io::Write as _;
 
@@ -7,7 +7,7 @@ use rawzip::{ZipArchiveWriter, ZipDataWriter};
 use super::{npy, rules::Stored};
 use crate::{about::About, file::TextureFileError};
 
-/// All textures in one file. Comments are in the member `about.txt`.
+/// All textures in one file. The member `about.txt` holds the comments.
 pub(super) fn encode(textures: &[Stored<'_>], about: &About) -> Result<Vec<u8>, TextureFileError> {
     let arrays = textures.iter().map(|texture| (format!("{}.npy", texture.texture.name), npy::encode(texture)));
     let text = ("about.txt".to_owned(), (about.lines().join("\n") + "\n").into_bytes());

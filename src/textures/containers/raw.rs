@@ -1,4 +1,4 @@
-//! The numbers alone, little-endian, and a JSON document that describes them.
+//! Only the numbers, little-endian, and a JSON document that describes them.
 
 use serde_json::json;
 
@@ -20,7 +20,7 @@ pub(super) fn files(textures: &[Stored<'_>], about: &About) -> Vec<TextureFile> 
         let text = format!("{document:#}\n");
         let path = format!("{}.json", stored.texture.name);
         let numbers = TextureFile { path: file, bytes, rounding: stored.rounded.error };
-        // The JSON document has no rounded numbers.
+        // The JSON document contains no rounded numbers.
         [numbers, TextureFile { path, bytes: text.into_bytes(), rounding: RoundingError::default() }]
     });
     files.collect()

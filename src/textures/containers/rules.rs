@@ -1,4 +1,4 @@
-//! The input and output of a file format.
+//! The input of the file formats: checked and rounded textures.
 
 use crate::{
     file::TextureFileError,
@@ -7,13 +7,13 @@ use crate::{
 };
 use ltcforge_fit::Precision;
 
-/// A texture whose numbers are rounded.
+/// A texture with its rounded numbers.
 pub(crate) struct Stored<'a> {
     pub(crate) texture: &'a Texture,
     pub(crate) rounded: Rounded,
 }
 
-/// Checked textures, rounded to a precision.
+/// Checks textures and rounds them to a precision.
 pub(crate) fn stored(textures: &[Texture], precision: Precision) -> Result<Vec<Stored<'_>>, TextureFileError> {
     if textures.is_empty() {
         return Err(TextureFileError::Empty);
@@ -28,20 +28,20 @@ pub(crate) fn stored(textures: &[Texture], precision: Precision) -> Result<Vec<S
     Ok(textures.iter().map(|texture| Stored { texture, rounded: round_texture(texture, precision) }).collect())
 }
 
-/// The combined rounding error of all these textures.
+/// The combined rounding error of several textures.
 pub(crate) fn rounding_of<'a>(textures: impl IntoIterator<Item = &'a Stored<'a>>) -> RoundingError {
     textures.into_iter().fold(RoundingError::default(), |all, one| all.and(one.rounded.error))
 }
 
 impl Stored<'_> {
-    /// A sentence for comments: sizes, layers and channels.
+    /// A line for comments: sizes, layers and channels.
     pub(super) fn described(&self) -> String {
         let Texture { width, height, depth, layers, .. } = self.texture;
         let depth = if *depth > 1 { format!(" x {depth}") } else { String::new() };
         let layers = if *layers > 1 { format!(", {layers} layers") } else { String::new() };
         let channels = self.texture.channels.join(", ");
-        let kind = self.rounded.either("32-bit floats", "halfs as bits");
-        format!("{width} x {height}{depth}{layers}; {channels} of each texel; x fastest, then y, z, layer; {kind}")
+        let kind = self.rounded.either("32-bit floats", "halves as bits");
+        format!("{width} x {height}{depth}{layers}; channels {channels}; x fastest, then y, z, layer; {kind}")
     }
 
     /// The numbers in rows: one row for each texel, or for several short texels.
@@ -50,7 +50,7 @@ impl Stored<'_> {
         self.rounded.numbers.chunks(self.texture.channels.len().max(4)).map(|texel| row(texel) + ",\n").collect()
     }
 
-    /// Rejects a texture with more channels than graphics interfaces support.
+    /// Rejects a texture with more channels than graphics APIs support.
     pub(super) fn at_most_four(&self, container: &'static str) -> Result<(), TextureFileError> {
         let channels = self.texture.channels.len();
         if channels <= 4 {

@@ -1,5 +1,5 @@
-//! Each format is read back by a reader of another crate, or, if reader and writer are one crate, by published offsets
-//! too.
+//! Reads each format back with the reader of another crate. If reader and writer are the same crate, the tests also
+//! check published offsets.
 
 use std::io::Cursor;
 
@@ -16,7 +16,7 @@ fn about() -> About {
     About::new(ABOUT)
 }
 
-/// Numbers of all sizes, different in each row.
+/// A texture with numbers of all magnitudes, different in each row.
 fn planted(sides: [u32; 3], layers: u32, channels: usize) -> Texture {
     let names = ["r", "g", "b", "a", "fifth"];
     let count = sides.iter().product::<u32>() as usize * layers as usize * channels;
@@ -49,7 +49,7 @@ fn unzstd(bytes: &[u8]) -> Vec<u8> {
     data
 }
 
-/// The numbers of a KTX2 file with one level. Checks that every field describes the texture.
+/// The numbers of a KTX2 file with one level. Checks that all fields describe the texture.
 fn read_ktx2(file: &[u8], texture: &Texture, precision: Precision, zstd: bool) -> Vec<f32> {
     let reader = ::ktx2::Reader::new(file).expect("KTX2");
     let header = reader.header();
@@ -101,7 +101,7 @@ fn read_dds(file: &[u8], texture: &Texture, precision: Precision) -> Vec<f32> {
     numbers(&dds.data, precision)
 }
 
-/// The numbers of an EXR's parts, with channels in the texture's order.
+/// The numbers of all parts of an EXR file, with channels in the texture's order.
 fn read_exr(file: &[u8], texture: &Texture) -> Vec<f32> {
     use ::exr::prelude::{ReadChannels as _, ReadLayers as _, read};
     let image = read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
@@ -124,7 +124,7 @@ fn read_exr(file: &[u8], texture: &Texture) -> Vec<f32> {
     texels
 }
 
-/// The numbers of an array. Checks that its header describes the texture.
+/// The numbers of an array file. Checks that the header describes the texture.
 fn read_npy(file: &[u8], texture: &Texture, precision: Precision) -> Vec<f32> {
     assert_eq!(&file[..8], b"\x93NUMPY\x01\x00");
     let length = usize::from(u16::from_le_bytes([file[8], file[9]]));
@@ -146,14 +146,14 @@ fn read_npz(file: &[u8], texture: &Texture, precision: Precision) -> Vec<f32> {
         let mut bytes = Vec::new();
         let mut entry = archive.by_name(name).expect("a member");
         assert_eq!(entry.compression(), zip::CompressionMethod::Stored);
-        std::io::Read::read_to_end(&mut entry, &mut bytes).expect("its bytes, of the checksum that it states");
+        std::io::Read::read_to_end(&mut entry, &mut bytes).expect("bytes with the right checksum");
         bytes
     };
     assert_eq!(member("about.txt"), format!("{}\n{}\n", ABOUT[0], ABOUT[1]).as_bytes());
     read_npy(&member("LTC_1.npy"), texture, precision)
 }
 
-/// The numbers in the brackets after `before`.
+/// The numbers between brackets after the text `before`.
 fn numbers_of_text(text: &str, before: &str, precision: Precision) -> Vec<f32> {
     let (_, rest) = text.split_once(before).unwrap_or_else(|| panic!("«{before}» in {text}"));
     let end = rest.find([']', '}']).expect("an end");
@@ -165,7 +165,7 @@ fn numbers_of_text(text: &str, before: &str, precision: Precision) -> Vec<f32> {
     words.map(number).collect()
 }
 
-/// The numbers that a reader of the format gets, in the texture's order.
+/// The numbers that a reader of the format returns, in the texture's order.
 fn read_back(container: TextureContainer, files: &[TextureFile], texture: &Texture, precision: Precision) -> Vec<f32> {
     let bytes = &files[0].bytes;
     let text = || std::str::from_utf8(bytes).expect("text");
@@ -220,7 +220,7 @@ fn read_back(container: TextureContainer, files: &[TextureFile], texture: &Textu
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
     #[test]
-    fn every_size_comes_back_or_is_refused_by_name(
+    fn every_size_is_read_back_or_rejected_by_name(
         sides in [1_u32..6, 1_u32..6, 1_u32..4],
         layers in 1_u32..4,
         channels in 1_usize..6,
@@ -244,19 +244,19 @@ proptest! {
                 let expected = round(&texture.texels, precision);
                 prop_assert_eq!(files[0].rounding, expected.error);
                 prop_assert_eq!(read_back(container, &files, &texture, precision), expected.numbers);
-                prop_assert_eq!(files, write(container, &texture, precision), "other bytes the second time");
+                prop_assert_eq!(files, write(container, &texture, precision), "the second export has different bytes");
             }
         }
     }
 }
 
 #[test]
-fn the_engines_formats_have_the_numbers_that_they_ask_for() {
+fn engine_formats_have_the_numbers_that_engines_expect() {
     let texture = planted([64, 64, 1], 1, 4);
     for (precision, vk, fourcc, dxgi) in [(Precision::F16, 97, 113, 10), (Precision::F32, 109, 116, 2)] {
         let bytes_of = |container| write(container, &texture, precision).remove(0).bytes;
         assert_eq!(u32_at(&bytes_of(TextureContainer::Ktx2), 12), vk);
-        // The header of Direct3D 9: size, flags, height, width; the format's size and flag, then the FourCC.
+        // The Direct3D 9 header: size, flags, height and width; size and flag of the format; then the FourCC.
         let legacy = bytes_of(TextureContainer::Dds);
         let texel_bytes = if precision == Precision::F16 { 8 } else { 16 };
         assert_eq!(legacy.len(), 128 + 64 * 64 * texel_bytes);
@@ -275,7 +275,7 @@ fn the_engines_formats_have_the_numbers_that_they_ask_for() {
 }
 
 #[test]
-fn a_file_that_holds_several_textures_names_each() {
+fn a_file_with_several_textures_names_each() {
     let mut other = planted([3, 2, 1], 1, 4);
     other.name = "LTC_2".to_owned();
     let textures = [planted([3, 2, 1], 1, 4), other];
@@ -287,12 +287,12 @@ fn a_file_that_holds_several_textures_names_each() {
             assert!(all.contains(&texture.name), "{container} lacks {}", texture.name);
         }
         let paths: std::collections::BTreeSet<&str> = files.iter().map(|file| file.path.as_str()).collect();
-        assert_eq!(paths.len(), files.len(), "{container} has two files of one name");
+        assert_eq!(paths.len(), files.len(), "{container} has two files with one name");
     }
 }
 
 #[test]
-fn what_rounding_changed_is_told_of_the_file_that_has_it() {
+fn each_file_reports_its_own_rounding_errors() {
     let texture = |name: &str, vanishing: usize| {
         let texels = (0..8).map(|i| if i < vanishing { 1e-12 } else { 1.0 }).collect();
         Texture::new(name, [2, 1, 1], 1, &["r", "g", "b", "a"], texels).expect("a texture")
@@ -310,7 +310,8 @@ fn what_rounding_changed_is_told_of_the_file_that_has_it() {
     }
 }
 
-/// Two tables of one layout, and two layouts, in one program. Rust and JavaScript have modules for this.
+/// Two tables of one layout, and two layouts, in one program. Rust and JavaScript do not need this, because they have
+/// modules.
 #[test]
 fn code_of_several_tables_can_be_compiled_together() {
     use ltcforge_files::digest::Digest;
@@ -353,7 +354,7 @@ fn code_of_several_tables_can_be_compiled_together() {
 }
 
 #[test]
-fn what_contradicts_itself_is_refused() {
+fn inconsistent_textures_are_rejected() {
     let texture = planted([2, 2, 1], 1, 4);
     let mut broken = texture.clone();
     broken.texels[3] = f32::INFINITY;

@@ -2,8 +2,8 @@
 //!
 //! `Lights/LTC/ltcTextureTool` loads `areaLights/areaLightsLTC.bin` from the folder of core assets, which
 //! `Tools.AssetBaseUrl` replaces. It reads 16-bit words in the processor's byte order, which is little-endian. Each
-//! texel has eight halves, the first four of texture 1, the others of texture 2. `ltcHelperFunctions` samples at
-//! roughness and sqrt(1 - cos theta). The shader contains the half texel of 64 x 64 as a constant.
+//! texel has eight halves: four of texture 1, then four of texture 2. `ltcHelperFunctions` samples at roughness and
+//! sqrt(1 - cos theta). The shader has a constant for half a texel of a 64 x 64 texture.
 
 use super::rules::{Source, file};
 use crate::{bundle::Bundle, file::TextureFileError};
@@ -15,7 +15,7 @@ pub(super) fn bundle(source: &Source<'_>) -> Result<Bundle, TextureFileError> {
     let texels = one.chunks_exact(4).zip(two.chunks_exact(4));
     let bytes = texels.flat_map(|(one, two)| one.iter().chain(two)).flat_map(|half| half.to_le_bytes()).collect();
     let steps = [
-        "Serve this folder, and before the first area light set Tools.AssetBaseUrl to its URL (checked with 9.34).",
+        "Serve this folder, and set Tools.AssetBaseUrl to its URL before the first area light (checked with 9.34).",
         "AssetBaseUrl replaces https://assets.babylonjs.com/core: copy all other files that the page loads from there, too.",
     ];
     let path = "areaLights/areaLightsLTC.bin";

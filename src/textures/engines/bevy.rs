@@ -1,7 +1,8 @@
-//! Bevy 0.19 and its development branch (from copies of its sources).
+//! Bevy 0.19 and its development branch, from copies of the sources.
 //!
 //! `bevy_pbr` with feature `area_light_luts` embeds `crates/bevy_pbr/src/ltc/ltc.ktx2`: an array of two layers of 64 x
-//! 64, `R16G16B16A16_SFLOAT`, zstd. The render world's resource `AreaLightLuts { image }` replaces it at run time.
+//! 64 texels, `R16G16B16A16_SFLOAT`, zstd. The resource `AreaLightLuts { image }` of the render world replaces it at
+//! run time.
 
 use super::rules::{SIZE, Source, file};
 use crate::{bundle::Bundle, containers::ktx2, file::TextureFileError, halves::Halves, texture::Texture};

@@ -1,12 +1,12 @@
-//! Unity's High Definition Render Pipeline, sources of 2023 and later (from copies of them).
+//! Unity's High Definition Render Pipeline of 2023 and later, from copies of the sources.
 //!
-//! `LTCAreaLight.cs` fills the layers of a 64 x 64 array of `R16G16B16A16_SFloat`, one layer for each scattering model,
-//! from arrays with the bits of halves. Layer 0 comes from `s_LtcMatrixData_BRDF_GGX` in
-//! `Generated/LtcData.BRDF_GGX.cs`, and the others from similar files. Of our scattering models, GGX, Disney (Burley's
-//! diffuse reflection) and Charlie have the shader's formulas. Its Oren-Nayar is the model of 1994 and not ours
+//! `LTCAreaLight.cs` fills the layers of a 64 x 64 array of `R16G16B16A16_SFloat`, one layer per scattering model, from
+//! arrays with the bits of halves. Layer 0 comes from `s_LtcMatrixData_BRDF_GGX` in `Generated/LtcData.BRDF_GGX.cs`,
+//! and the others come from similar files. Three of our scattering models agree with the shader's formulas: GGX, Disney
+//! (Burley's diffuse reflection) and Charlie. The shader's Oren-Nayar is the model of 1994, which differs from ours
 //! (docs/engines.md). The shader samples at perceptual roughness and `sqrt(1 - cos theta)`. A texel has elements 00,
-//! 02, 11 and 20 of the transposed inverse over element 22. Amplitude and Fresnel term come from another table, which
-//! stays.
+//! 02, 11 and 20 of the transposed inverse, divided by element 22. Amplitude and Fresnel term come from another table,
+//! which this export does not replace.
 
 use super::rules::{FIRST, SIZE, Source, file};
 use crate::{bundle::Bundle, file::TextureFileError};

@@ -1,7 +1,8 @@
-//! Game engines, one file each: the layout that an engine loads, its files with their names, and their destination.
+//! Game engines, with one source file per engine: the layout that it loads, the names of its files, and where to put
+//! them.
 //!
-//! Each file states the version of the engine whose sources were read; another version may differ. A new engine needs a
-//! file and a line in [`Engine`].
+//! Each source file states the version of the engine whose sources we read. Other versions may differ. A new engine
+//! needs a source file and a line in [`Engine`].
 
 mod babylon;
 mod bevy;
@@ -18,7 +19,7 @@ use super::{about::About, bundle::Bundle, file::TextureFileError, texture::Textu
 use ltcforge_fit::{BrdfKind, ShaderAxes, named_list};
 
 named_list! {
-    /// A renderer with area lights by LTC tables, or a renderer that can use ours.
+    /// A renderer that has area lights by LTC tables, or can use our shader.
     pub enum Engine {
         /// three.js.
         Three = "three",
@@ -40,7 +41,7 @@ named_list! {
 }
 
 impl Engine {
-    /// The layout of its textures; `None` for the layout of the table.
+    /// The layout of the engine's textures. `None` if it can use the layout of any table.
     #[must_use]
     pub fn layout(self) -> Option<&'static str> {
         match self {
@@ -52,7 +53,8 @@ impl Engine {
         }
     }
 
-    /// The scattering models that its shaders support. A model with another name counts if the formulas agree.
+    /// The scattering models that the engine's shaders support. A model with another name is included if the formulas
+    /// agree.
     #[must_use]
     pub fn brdfs(self) -> &'static [BrdfKind] {
         const HDRP: [BrdfKind; 4] =
@@ -60,10 +62,11 @@ impl Engine {
         if self == Self::Hdrp { &HDRP } else { &HDRP[..1] }
     }
 
-    /// The files that this engine loads, from textures of its layout for a table of `brdf`, and their manifest.
+    /// The files that this engine loads, and their manifest. `textures` must have the engine's layout, for a table of
+    /// `brdf`.
     ///
     /// # Errors
-    /// A texture is missing, or has other sizes or channels than the engine needs.
+    /// A texture is missing, or has the wrong size or channels.
     pub fn bundle(
         self,
         brdf: BrdfKind,

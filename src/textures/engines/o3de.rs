@@ -1,10 +1,9 @@
-//! Open 3D Engine, development branch (from copies of its sources).
+//! Open 3D Engine, development branch, from copies of the sources.
 //!
 //! `LtcCommon.cpp` loads `textures/ltc/ltc_mat_lutrgba32f.dds` and `textures/ltc/ltc_amp_lutrg32f.dds` through the
 //! asset processor, from `Gems/Atom/Feature/Common/Assets/Textures/LTC`. `Ltc.azsli` samples at roughness and theta /
-//! (pi/2), and builds the inverse as [1 0 w; 0 z 0; y 0 x] of a texel. It contains the half texel of 32 x 32 as a
-//! constant (`LUT_SIZE`), which must change for textures of another size. `DdsLoader.cpp` reads the header of Direct3D
-//! 10.
+//! (pi/2), and builds the inverse [1 0 w; 0 z 0; y 0 x] from a texel. It has a constant for half a texel of a 32 x 32
+//! texture (`LUT_SIZE`), which must change for textures of another size. `DdsLoader.cpp` reads the Direct3D 10 header.
 
 use super::rules::{FIRST, SECOND, Source, file};
 use crate::{bundle::Bundle, containers::dx10, file::TextureFileError};
@@ -29,7 +28,7 @@ pub(super) fn bundle(source: &Source<'_>) -> Result<Bundle, TextureFileError> {
             .to_owned(),
     ];
     if size != SHADER_SIZE {
-        steps.push(format!("Set LUT_SIZE in LtcCoords of Ltc.azsli to {size}.0; it is {SHADER_SIZE}.0 there."));
+        steps.push(format!("Set LUT_SIZE in LtcCoords of Ltc.azsli to {size}.0; the default is {SHADER_SIZE}.0."));
     }
     Ok(Bundle { files, steps })
 }

@@ -1,4 +1,4 @@
-//! An engine, and the data from which its bundle is made.
+//! The common parts of engines: the input of a bundle, and helpers.
 
 use crate::{
     about::About,
@@ -8,26 +8,25 @@ use crate::{
 };
 use ltcforge_fit::{BrdfKind, Precision, ShaderAxes};
 
-/// The names of the two textures in most engines.
+/// The names of the two textures, for most engines.
 pub(super) const FIRST: &str = "LTC_1";
 pub(super) const SECOND: &str = "LTC_2";
-/// The size of these textures in texels.
+/// The width and height of these textures in texels.
 pub(super) const SIZE: u32 = 64;
 
-/// The data from which a bundle is made.
+/// The input from which a bundle is made.
 pub(crate) struct Source<'a> {
     pub(super) engine: &'static str,
     pub(super) textures: &'a [Texture],
-    /// The axes of the table for shaders.
+    /// The axes of the table, as shaders read them.
     pub(super) axes: &'a ShaderAxes,
     pub(super) about: &'a About,
-    /// The scattering model of the table. It is one of [`super::Engine::brdfs`], except for an engine that supports
-    /// all.
+    /// The scattering model of the table. It is one of [`super::Engine::brdfs`], unless the engine supports all models.
     pub(super) brdf: BrdfKind,
 }
 
 impl Source<'_> {
-    /// A square 2D texture with four channels, rounded.
+    /// A square 2D texture with four channels, with rounded numbers.
     pub(super) fn square(
         &self,
         name: &'static str,
@@ -45,7 +44,7 @@ impl Source<'_> {
         Err(TextureFileError::Missing { engine: self.engine, name, wanted: wanted(), found })
     }
 
-    /// Both textures of an engine that has two.
+    /// Both textures, for an engine with two textures.
     pub(super) fn both(&self, precision: Precision) -> Result<[Stored<'_>; 2], TextureFileError> {
         Ok([self.square(FIRST, SIZE, precision)?, self.square(SECOND, SIZE, precision)?])
     }
@@ -63,7 +62,7 @@ impl Source<'_> {
         })
     }
 
-    #[allow(clippy::unused_self, reason = "reads as a sentence beside its neighbours")]
+    #[allow(clippy::unused_self, reason = "called like the other methods")]
     pub(super) fn stored<'t>(
         &self,
         texture: &'t Texture,
@@ -74,7 +73,7 @@ impl Source<'_> {
     }
 }
 
-/// A text file with rounded numbers.
+/// A file with these bytes, and the rounding errors of these textures.
 pub(super) fn file(path: &str, bytes: Vec<u8>, stored: &[&Stored<'_>]) -> TextureFile {
     TextureFile { path: path.to_owned(), bytes, rounding: rounding_of(stored.iter().copied()) }
 }

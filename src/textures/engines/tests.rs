@@ -11,7 +11,7 @@ use ltcforge_fit::{BrdfKind, Layout, PerAxis, Precision};
 /// The manifest.
 const MANIFEST: &str = "ltcforge.json";
 
-/// Two textures whose numbers identify their places.
+/// Two textures in which each number identifies its position.
 fn textures(size: u32) -> Vec<Texture> {
     let texture = |name: &str, scale: f32| {
         let count = (size * size * 4) as usize;
@@ -26,7 +26,7 @@ fn axes() -> ShaderAxes {
     Layout::Kt2022.shader_axes(&axes)
 }
 
-/// The textures that our shader reads.
+/// The textures for our own shader.
 fn own() -> Vec<Texture> {
     let of = |name| Texture::new(name, [1, 3, 2], 1, &["a", "b", "c", "d"], vec![0.5; 24]).expect("a texture");
     ["ltc_matrix_a", "ltc_matrix_b", "ltc_terms"].map(of).into()
@@ -52,11 +52,11 @@ fn halves(name: usize) -> Vec<u16> {
 }
 
 #[test]
-fn each_bundle_has_steps_and_tells_its_files() {
+fn each_bundle_has_steps_and_lists_its_files() {
     for engine in Engine::ALL {
         let bundle = bundle(*engine, 64);
         assert!(!bundle.steps.is_empty() && bundle.files.len() >= 2, "{engine}");
-        // The service has addresses for files in one folder, and in one folder below it.
+        // The service has URLs only for files in the top folder, and in one folder below it.
         assert!(bundle.files.iter().all(|file| file.path.split('/').count() <= 2), "{engine}");
         let manifest: Value = serde_json::from_str(text(&bundle, MANIFEST)).expect("JSON");
         let listed = manifest["files"].as_array().expect("files");
@@ -67,11 +67,11 @@ fn each_bundle_has_steps_and_tells_its_files() {
         }
         assert_eq!(manifest["for"], engine.name());
         assert_eq!(manifest["about"][0], "table 1234");
-        assert_eq!(bundle, self::bundle(*engine, 64), "{engine}: other bytes the second time");
+        assert_eq!(bundle, self::bundle(*engine, 64), "{engine}: the second bundle has different bytes");
     }
 }
 
-/// HDRP has a file for each scattering model.
+/// HDRP has one file per scattering model.
 #[test]
 fn hdrp_names_its_file_by_the_model() {
     for (brdf, name) in
@@ -86,7 +86,7 @@ fn hdrp_names_its_file_by_the_model() {
 }
 
 #[test]
-fn another_size_or_a_lack_of_textures_is_told() {
+fn a_wrong_size_or_a_missing_texture_is_reported() {
     for engine in Engine::ALL {
         let about = About::default();
         assert!(engine.bundle(BrdfKind::Ggx, &[], &axes(), &about).is_err(), "{engine}");
@@ -108,7 +108,7 @@ fn babylon_has_eight_halves_a_texel() {
 }
 
 #[test]
-fn playcanvas_rounds_to_the_halves_that_were_meant() {
+fn playcanvas_rounds_to_the_intended_halves() {
     let bundle = bundle(Engine::PlayCanvas, 64);
     let luts: Value = serde_json::from_str(text(&bundle, "area-light-luts.json")).expect("JSON");
     for (key, expected) in [("LTC_MAT_1", halves(0)), ("LTC_MAT_2", halves(1))] {
@@ -165,7 +165,7 @@ fn unity_has_every_number() {
     assert_eq!(numbers.map(|word| word.parse().expect("bits")).collect::<Vec<u16>>(), halves(0));
 }
 
-/// Writes the numbers of the four textures, little-endian, one after another.
+/// Writes the numbers of the four textures one after another, little-endian.
 const PRINT_THREE: &str = "
 import { createLTC } from './ltc.mjs';
 import { writeFileSync } from 'node:fs';
@@ -182,8 +182,8 @@ fn three_unpacks_every_number_and_its_half() {
         eprintln!("SKIPPED: no node on this machine, so the module for three.js is not run");
         return;
     }
-    // Above the halves, between the largest half and infinity, almost zero, subnormal, equal to a half, and between two
-    // halves.
+    // Hard numbers: above the halves, between the largest half and infinity, almost zero, subnormal, equal to a half,
+    // and between two halves.
     let hard = [7e4, 65519.0, 1e-12, 3e-8, 5e-8, 3.3e-6, 6.1e-5, 0.0, 1.0, 0.1];
     let mut given = textures(64);
     for (which, texture) in given.iter_mut().enumerate() {
@@ -206,9 +206,9 @@ fn three_unpacks_every_number_and_its_half() {
     assert_eq!(found.iter().zip(&expected).position(|(found, expected)| found != expected), None);
 }
 
-/// Arrays make bundles long: three.js has 314,764 bytes for its tables.
+/// The bundle must be shorter than the 314,764 bytes of three.js for its own tables.
 #[test]
-fn the_module_for_three_is_shorter_than_what_it_ships() {
+fn the_module_for_three_is_shorter_than_the_tables_of_three() {
     assert!(bytes(&bundle(Engine::Three, 64), "ltc.js").len() < 190_000);
 }
 

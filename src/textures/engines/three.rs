@@ -2,9 +2,9 @@
 //!
 //! `WebGLLights` reads `UniformsLib.LTC_FLOAT_1` and `_2`, or `LTC_HALF_1` and `_2` if the device does not filter
 //! 32-bit textures. `RectAreaLightNode.setLTC` takes an object with the same four textures. Both sample at roughness
-//! and sqrt(1 - cos theta). Their shaders contain the half texel of 64 x 64 as a constant.
+//! and sqrt(1 - cos theta). Their shaders have a constant for half a texel of a 64 x 64 texture.
 //!
-//! The module has the 32-bit numbers once, and a bit for each number that selects one of its two neighbouring halves.
+//! The module contains the 32-bit numbers once. For each number, one bit selects one of its two neighbouring halves.
 
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 use half::f16;
@@ -13,7 +13,7 @@ use super::rules::{SIZE, Source, file};
 use crate::{bundle::Bundle, containers::Stored, file::TextureFileError};
 use ltcforge_fit::Precision;
 
-/// Makes the four textures with the classes of the page's three.js.
+/// The function that creates the four textures, with the classes of the page's three.js.
 const FUNCTION: &str = include_str!("create_ltc.js");
 
 pub(super) fn bundle(source: &Source<'_>) -> Result<Bundle, TextureFileError> {
@@ -26,14 +26,14 @@ pub(super) fn bundle(source: &Source<'_>) -> Result<Bundle, TextureFileError> {
     );
     let all: Vec<_> = floats.iter().chain(&halves).collect();
     let steps = [
-        "Import createLTC from ltc.js beside three.js (checked with 0.187).",
+        "Import createLTC from ltc.js next to three.js (checked with 0.187).",
         "WebGLRenderer: after RectAreaLightUniformsLib.init(), Object.assign( THREE.UniformsLib, createLTC( THREE ) ).",
-        "WebGPURenderer: import { RectAreaLightNode } from 'three/webgpu', and RectAreaLightNode.setLTC( createLTC( THREE ) ).",
+        "WebGPURenderer: import { RectAreaLightNode } from 'three/webgpu', and call RectAreaLightNode.setLTC( createLTC( THREE ) ).",
     ];
     Ok(Bundle { files: vec![file("ltc.js", text.into_bytes(), &all)], steps: steps.map(str::to_owned).into() })
 }
 
-/// The bytes of all numbers, lowest bytes first, and for each byte all channels one after another.
+/// The bytes of all numbers: the lowest byte of all numbers first, and for each byte one channel after another.
 fn sorted_bytes(textures: &[Stored<'_>]) -> Vec<u8> {
     let mut sorted = Vec::new();
     for byte in 0..4 {
@@ -47,7 +47,7 @@ fn sorted_bytes(textures: &[Stored<'_>]) -> Vec<u8> {
     sorted
 }
 
-/// A bit for each number, the first in the lowest bit: whether the half is the neighbour farther from zero.
+/// One bit per number, starting with the lowest bit. It is set if the half is the neighbour farther from zero.
 fn farther_bits(floats: &[Stored<'_>], halves: &[Stored<'_>]) -> Vec<u8> {
     let pairs = floats.iter().zip(halves).flat_map(|(floats, halves)| {
         floats.rounded.numbers.iter().zip(halves.rounded.half_bits()).map(|(x, half)| half != half_nearer_to_zero(*x))
@@ -57,9 +57,9 @@ fn farther_bits(floats: &[Stored<'_>], halves: &[Stored<'_>]) -> Vec<u8> {
     bits.chunks(8).map(byte).collect()
 }
 
-/// The bits of the largest half whose magnitude is not above the number's.
+/// The bits of the largest half whose magnitude does not exceed that of the number.
 fn half_nearer_to_zero(x: f32) -> u16 {
     let nearest = f16::from_f32_const(x);
-    // The bits of a half grow with its magnitude, and infinity follows 65504.
+    // The bits of a half grow with its magnitude. Infinity follows 65504.
     nearest.to_bits() - u16::from(nearest.to_f32_const().abs() > x.abs())
 }

@@ -1,5 +1,5 @@
-//! Your own renderer with the shader that `ltcforge shader` writes: the textures of the table's layout as KTX2, and the
-//! contents of the shader's buffers as JSON.
+//! Your own renderer, with the shader that `ltcforge shader` writes. The textures have the table's layout and are KTX2
+//! files. A JSON file has the contents of the shader's buffers.
 
 use serde_json::json;
 

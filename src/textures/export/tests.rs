@@ -14,7 +14,7 @@ fn table(document: &str) -> Table {
 }
 
 #[test]
-fn a_name_is_that_of_one_export() {
+fn a_name_belongs_to_one_export() {
     let all: Vec<Export> = Export::all().collect();
     let names: BTreeSet<String> = all.iter().map(ToString::to_string).collect();
     assert_eq!(names.len(), all.len());
@@ -44,23 +44,24 @@ fn matrices_without_an_inverse_are_counted_and_the_first_is_named() {
     }
 }
 
-/// An engine's shader has the formulas of GGX, so it rejects a table of sheen. Our shader and plain textures take any
-/// model.
+/// An engine's shader has the formulas of GGX, so engines reject a table for sheen. Our shader and plain textures
+/// accept any model.
 #[test]
-fn engines_are_given_no_tables_but_those_of_ggx() {
+fn engines_only_accept_tables_for_ggx() {
     let mut table = table(r#"{"layout": "godot", "resolution": {"alpha": 2, "theta": 2}}"#);
     table.brdf = BrdfKind::Charlie.into();
     let export = |name: &str| name.parse::<Export>().expect("an export");
-    let refused = export("godot").layout(&table).expect_err("not of GGX").to_string();
+    let refused = export("godot").layout(&table).expect_err("not for GGX").to_string();
     assert!(refused.contains("brdf charlie") && refused.contains("--layout godot"), "{refused}");
     let refused = export("compact").layout(&table).expect_err("not near a reflection").to_string();
     assert!(refused.contains("brdf charlie"), "{refused}");
     assert!(export("wgpu").layout(&table).is_ok() && export("godot.ktx2.f32").layout(&table).is_ok());
 }
 
-/// Engines and decoders use LTCs. Tables of Gaussians export as plain numbers for a shader with Gaussians.
+/// Engines and decoders only support LTCs. Tables of Gaussians can be exported as plain numbers for a shader with
+/// Gaussians.
 #[test]
-fn engines_and_decoders_are_given_no_gaussians() {
+fn engines_and_decoders_reject_gaussians() {
     let small =
         r#"{"resolution":{"alpha":2,"ratio":2,"theta":2,"phi":2},"fit":{"samples":64,"directions":4,"steps":5}}"#;
     let table = Table { lobe: ltcforge_fit::LobeModel::Asg, ..table(small) };
@@ -73,7 +74,7 @@ fn engines_and_decoders_are_given_no_gaussians() {
 }
 
 #[test]
-fn a_table_that_cannot_serve_is_told_which_recipe_does() {
+fn errors_name_a_recipe_with_the_requested_textures() {
     let fit = r#""fit":{"samples":64,"directions":4,"steps":5}"#;
     let own = table(&format!(r#"{{"resolution":{{"alpha":2,"ratio":2,"theta":2,"phi":2}},{fit}}}"#));
     let small = table(&format!(r#"{{"layout":"ltc2017","resolution":{{"alpha":2,"theta":2}},{fit}}}"#));
@@ -112,7 +113,7 @@ fn every_export_has_a_manifest_of_its_files() {
     for name in ["wgpu", "reflected.npy.f16", "reflected.dds.f32", "reflected.npz.f16", "compact", "compact-rust"] {
         let export: Export = name.parse().expect("an export");
         let about = About::new(["table 1234"]);
-        // A planted table has no measurement.
+        // A planted table has no measured error.
         let made = match export {
             Export::Compact(container) => Export::compact_bundle(container, vec![unmeasured(&table)], &about),
             Export::Engine(_) | Export::Textures { .. } => export.bundle(&table, about),
@@ -134,7 +135,7 @@ fn every_export_has_a_manifest_of_its_files() {
 }
 
 #[test]
-fn the_forms_of_an_export_are_those_of_its_files() {
+fn the_forms_of_an_export_match_its_files() {
     let own = planted(Layout::Reflected, [3, 2, 3, 2], true, |_, _| 0.0);
     let theirs = planted(Layout::Ltc2017, [64, 1, 64, 1], true, |_, _| 0.0);
     let mut seen = 0;
@@ -142,7 +143,7 @@ fn the_forms_of_an_export_are_those_of_its_files() {
         let about = About::new(["table 1234"]);
         let made = match export {
             Export::Compact(container) => Export::compact_bundle(container, vec![unmeasured(table)], &about).ok(),
-            // Layouts differ only in numbers.
+            // The forms of different layouts differ only in numbers.
             Export::Textures { layout, .. } if layout.sampling().table != table.layout => None,
             Export::Engine(_) | Export::Textures { .. } => export.bundle(table, about).ok(),
         };
@@ -161,7 +162,7 @@ fn the_forms_of_an_export_are_those_of_its_files() {
     assert!(seen > 200, "{seen} files");
 }
 
-/// The texels of a KTX2 file with four channels of 32 bits, and its sides.
+/// The texels of a KTX2 file with four 32-bit channels, and the texture's sides.
 fn texels(bundle: &Bundle, path: &str) -> ([usize; 3], Vec<f32>) {
     let file = bundle.files.iter().find(|file| file.path == path).expect(path);
     let reader = ktx2::Reader::new(&file.bytes).expect("KTX2");
@@ -213,7 +214,7 @@ fn our_shader_finds_every_number_of_a_table_of_every_layout() {
     }
 }
 
-/// A table of a recipe whose lobes are all the same.
+/// A table for a recipe, in which all lobes are the same.
 fn uniform(recipe: &Recipe) -> Table {
     let entries = recipe.entries() as usize;
     Table {
@@ -232,9 +233,9 @@ fn uniform(recipe: &Recipe) -> Table {
     }
 }
 
-/// Every export of every BRDF, layout and lobe model.
+/// Tries every export for every BRDF, layout and lobe model.
 #[test]
-fn a_refusal_names_a_recipe_or_an_export_only_if_it_is_taken() {
+fn an_error_names_only_recipes_and_exports_that_work() {
     let (mut named, mut advised) = (BTreeSet::new(), 0);
     let file = format!("\"tabulated\":\"{}\",", Digest::of(b"brdf"));
     for (&brdf, &layout, &lobe) in BrdfKind::ALL.iter().flat_map(|brdf| {

@@ -1,43 +1,43 @@
-//! Errors of textures of a layout.
+//! Errors of texture layouts.
 
 use crate::texture::TextureError;
 use ltcforge_fit::{BrdfKind, Layout, LobeModel};
 
-/// The table has no textures of a layout.
+/// The table has no textures of this layout.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum NoTextures {
     /// The layout has no textures.
     #[error("layout «{name}» has no textures; layouts with textures: {known}")]
     UnknownLayout {
-        /// The name that was given.
+        /// The given name.
         name: String,
         /// The known names.
         known: String,
     },
     /// The table has another layout, whose numbers do not determine these textures.
     #[error(
-        "a table of layout {table} has no textures of layout {asked}; this recipe gives a table that has them: {recipe}"
+        "a table of layout {table} has no textures of layout {asked}; this recipe gives a table with these textures: {recipe}"
     )]
     OtherLayout {
         /// The layout of the table.
         table: Layout,
         /// The requested layout.
         asked: &'static str,
-        /// A recipe whose table has them.
+        /// A recipe for a table with these textures.
         recipe: String,
     },
     /// The table has the right layout, but lacks something that the textures need.
-    #[error("textures of layout {asked} need {lacking}; this recipe gives a table that has them: {recipe}")]
+    #[error("textures of layout {asked} need {lacking}; this recipe gives a table with these textures: {recipe}")]
     Lacking {
         /// The requested layout.
         asked: &'static str,
         /// A description of the missing part.
         lacking: String,
-        /// A recipe whose table has them.
+        /// A recipe for a table with these textures.
         recipe: String,
     },
-    /// The engine's shader has the formulas of some scattering models, mostly GGX only, and the table is of another
-    /// model.
+    /// The engine's shader has the formulas of some scattering models, in most engines only those of GGX, and the table
+    /// is for another model.
     #[error(
         "{engine} needs textures of brdf {known}, but the table is of brdf {brdf}; to export its numbers for other uses, \
          choose --layout {layout} --container ktx2 (export {layout}.ktx2.f32)"
@@ -49,7 +49,7 @@ pub enum NoTextures {
         known: String,
         /// The scattering model of the table.
         brdf: BrdfKind,
-        /// A layout of textures that the table has.
+        /// A texture layout that the table supports.
         layout: &'static str,
     },
     /// The engine uses LTCs, and the table has another lobe model.
@@ -62,10 +62,10 @@ pub enum NoTextures {
         engine: &'static str,
         /// The lobe model of the table.
         lobe: LobeModel,
-        /// A layout of textures that the table has.
+        /// A texture layout that the table supports.
         layout: &'static str,
     },
-    /// The axes of the table are longer than textures can be.
+    /// The axes of the table exceed the size limit of textures.
     #[error(transparent)]
     Texture(#[from] TextureError),
 }

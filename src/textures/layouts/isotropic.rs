@@ -1,6 +1,6 @@
 //! The 2D textures of isotropic tables, as engines sample them.
 //!
-//! Texel centres are nodes: texel `i` of `n` is at the coordinate `i / (n - 1)`. So a shader samples at
+//! Nodes are at texel centres: texel `i` of `n` has the coordinate `i / (n - 1)`. Therefore a shader samples at
 //! `coordinate (n - 1) / n + 0.5 / n`.
 
 use super::{
@@ -110,22 +110,22 @@ pub(super) const HDRP: EngineTextures = EngineTextures {
     numbers: &[&[Number::Matrix(0, 0), Number::Matrix(2, 0), Number::Matrix(1, 1), Number::Matrix(0, 2)]],
 };
 
-/// A number of a texel.
+/// One of the numbers in a texel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Number {
     /// An element of the stored matrix, by row and column.
     Matrix(usize, usize),
     Amplitude,
     Fresnel,
-    /// [`clipped_form_factor`], which depends only on the place of the texel.
+    /// [`clipped_form_factor`], which depends only on the position of the texel.
     Sphere,
     Zero,
 }
 
-/// The 2D textures of one layout of tables.
+/// The 2D textures of one table layout.
 pub(super) struct EngineTextures {
     pub(super) sampling: TextureSampling,
-    /// The numbers of each texture's channels.
+    /// The numbers in the channels of each texture.
     numbers: &'static [&'static [Number]],
 }
 

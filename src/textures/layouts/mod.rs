@@ -1,6 +1,7 @@
-//! Layouts of textures: the axes, texels and channels of a table's textures.
+//! Texture layouts: the axes, texels and channels of a table's textures.
 //!
-//! A description of each layout determines its textures. A new layout needs a file and a line in [`TextureLayout`].
+//! The description of a layout determines its textures. A new layout needs a source file and a line in
+//! [`TextureLayout`].
 
 mod error;
 mod isotropic;
@@ -22,9 +23,9 @@ pub(crate) use rules::TextureRules;
 pub use rules::{TextureAxis, TextureSampling, TexturesOf};
 
 named_list! {
-    /// The arrangement of a table in textures.
+    /// How a table is arranged in textures.
     pub enum TextureLayout: TextureRules {
-        /// Three 3D textures of a table of layout `reflected`, as the shader of `ltcforge shader` reads them.
+        /// Three 3D textures of layout `reflected`, in the form that the shader of `ltcforge shader` reads.
         Reflected = "reflected" => volumes::REFLECTED,
         /// Three 3D textures of layout `kt2022`.
         Kt2022 = "kt2022" => volumes::KT2022,
@@ -32,7 +33,7 @@ named_list! {
         ReflectedArray = "reflected-array" => volumes::REFLECTED_ARRAY,
         /// The three textures of layout `kt2022` as one 2D array.
         Kt2022Array = "kt2022-array" => volumes::KT2022_ARRAY,
-        /// The 3D texture of the demo of KT et al. 2022.
+        /// The 3D texture for the demo of KT et al. 2022.
         Kt2022Volume = "kt2022-volume" => published::Kt2022Volume,
         /// Two 2D textures of layout `ltc2017`.
         Ltc2017 = "ltc2017" => isotropic::LTC2017,
@@ -42,7 +43,7 @@ named_list! {
         Godot = "godot" => isotropic::GODOT,
         /// One 2D texture of layout `hdrp`.
         Hdrp = "hdrp" => isotropic::HDRP,
-        /// Three 3D textures of a table of layout `ltc2017`, as the shader of `ltcforge shader` reads them.
+        /// Three 3D textures of layout `ltc2017`, in the form that the shader of `ltcforge shader` reads.
         Ltc2017In3d = "ltc2017-3d" => volumes::LTC2017,
         /// Three 3D textures of layout `ltc2016`.
         Ltc2016In3d = "ltc2016-3d" => volumes::LTC2016,
@@ -54,7 +55,7 @@ named_list! {
         InverseIn3d = "inverse-3d" => volumes::INVERSE,
         /// Three 3D textures of layout `matrix33`, which has no other textures.
         Matrix33In3d = "matrix33-3d" => volumes::MATRIX33,
-        /// Three 3D textures of layout `materials`, one slice for each material.
+        /// Three 3D textures of layout `materials`, with one slice per material.
         Materials = "materials" => volumes::MATERIALS,
         /// The three textures of layout `materials` as one 2D array.
         MaterialsArray = "materials-array" => volumes::MATERIALS_ARRAY,
@@ -62,22 +63,22 @@ named_list! {
 }
 
 impl TextureLayout {
-    /// The layout of this name.
+    /// The layout with this name.
     ///
     /// # Errors
-    /// There is no layout of this name.
+    /// There is no layout with this name.
     pub fn named(name: &str) -> Result<Self, NoTextures> {
         Self::from_name(name)
             .ok_or_else(|| NoTextures::UnknownLayout { name: name.to_owned(), known: layout_names().join(", ") })
     }
 
-    /// The axes, channels and scale of its textures.
+    /// The axes and channels of the textures, and the scale of the matrix.
     #[must_use]
     pub fn sampling(self) -> TextureSampling {
         self.rules().sampling()
     }
 
-    /// The three 3D textures of a layout, as our shader reads them.
+    /// The three 3D textures of a layout, in the form that our shader reads.
     #[must_use]
     pub fn of_shader(layout: Layout) -> Self {
         match layout {
@@ -93,10 +94,11 @@ impl TextureLayout {
         }
     }
 
-    /// The textures of a table. The numbers of each matrix have halves that were rounded together.
+    /// The textures of a table, with halves that were rounded together for each matrix.
     ///
     /// # Errors
-    /// The table has another layout, or lacks something that these textures need; the error names a recipe that has it.
+    /// The table has another layout, or lacks something that these textures need. The error names a recipe for a table
+    /// with these textures.
     pub fn textures(self, table: &Table) -> Result<Vec<Texture>, NoTextures> {
         self.check(table)?;
         let mut textures = self.rules().textures(table)?;
@@ -118,7 +120,7 @@ impl TextureLayout {
             return Err(NoTextures::OtherLayout { table: table.layout, asked: self.name(), recipe: recipe() });
         }
         let lacking = if table.second.is_some() && !two {
-            Some("one lobe an entry, but the table has two".to_owned())
+            Some("one lobe per entry, but the table has two lobes".to_owned())
         } else {
             self.rules().lacks(table)
         };
@@ -132,7 +134,7 @@ pub fn layout_names() -> Vec<&'static str> {
     TextureLayout::ALL.iter().map(|layout| layout.name()).collect()
 }
 
-/// The textures of a table in the layout of this name.
+/// The textures of a table in the layout with this name.
 ///
 /// # Errors
 /// There is no such layout; otherwise see [`TextureLayout::textures`].
@@ -140,7 +142,7 @@ pub fn textures_of(table: &Table, layout: &str) -> Result<Vec<Texture>, NoTextur
     TextureLayout::named(layout)?.textures(table)
 }
 
-/// A description for people of how to sample these textures: axes, channels, and the nodes if they are not evenly
+/// A description, for people, of how to sample these textures: axes, channels, and the nodes if they are unevenly
 /// spaced.
 #[must_use]
 pub fn sampling_of(table: &Table, layout: TextureLayout) -> Vec<String> {
@@ -150,7 +152,8 @@ pub fn sampling_of(table: &Table, layout: TextureLayout) -> Vec<String> {
     lines.extend(textures.iter().map(|of| format!("{}: {}: {}", of.name, of.channels.join(" "), of.meaning)));
     if table.second.is_some() {
         lines.push(
-            "two lobes an entry: of each texture the layers of the second lobes after those of the first".to_owned(),
+            "two lobes per entry: in each texture, the layers of the second lobes follow those of the first lobes"
+                .to_owned(),
         );
     }
     if table.layout.only_ranges().is_none() {

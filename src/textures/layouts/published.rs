@@ -1,4 +1,4 @@
-//! The 3D texture that the demo of KT et al. 2022 reads: 8 x 8 x 192 texels.
+//! The 3D texture for the demo of KT et al. 2022: 8 x 8 x 192 texels.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -9,7 +9,7 @@ use super::{
 use crate::texture::Texture;
 use ltcforge_fit::{BrdfKind, Layout, PerAxis, Table};
 
-/// The texture of the demo of KT et al. 2022.
+/// The texture for the demo of KT et al. 2022.
 pub(super) struct Kt2022Volume;
 
 /// The number of nodes on each axis, a constant in the demo's shader.
@@ -44,7 +44,7 @@ impl TextureRules for Kt2022Volume {
         (!is_whole).then(|| format!("8 x 8 x 8 x 8 nodes over the whole domain, but the table has {counts}"))
     }
 
-    /// Excludes tables of isotropic surfaces, which have one ratio.
+    /// Rejects tables of isotropic surfaces, which have only one ratio.
     fn takes(&self, brdf: BrdfKind) -> bool {
         !brdf.is_isotropic()
     }

@@ -1,4 +1,4 @@
-//! The interface of a layout of textures.
+//! The interface of a texture layout.
 
 use super::error::NoTextures;
 use crate::texture::{Texture, TextureError};
@@ -24,18 +24,18 @@ pub struct TexturesOf {
     pub meaning: &'static str,
 }
 
-/// The description of a layout of textures, for people and for writers.
+/// The description of a texture layout, for people and for code that writes files.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TextureSampling {
-    /// The layout of tables that have these textures.
+    /// The layout of the tables that have these textures.
     pub table: Layout,
-    /// The axes, and the coordinates of their texels.
+    /// The axes of the textures, with the coordinates of their texels.
     pub axes: &'static [TextureAxis],
     /// The textures, in order.
     pub textures: &'static [TexturesOf],
     /// The scale of the matrix.
     pub normalisation: &'static str,
-    /// A recipe whose table has these textures.
+    /// A recipe for a table with these textures.
     pub recipe: &'static str,
 }
 
@@ -44,17 +44,17 @@ pub(crate) trait TextureRules: Sync {
     /// The description of the layout.
     fn sampling(&self) -> TextureSampling;
 
-    /// The parts that a table of the right layout lacks; `None` if it lacks nothing.
+    /// The parts that a table of the right layout lacks. `None` if it lacks nothing.
     fn lacks(&self, _: &Table) -> Option<String> {
         None
     }
 
-    /// Whether a recipe with this scattering model gives a table with these textures, if the layout supports the model.
+    /// Whether a table for this scattering model can have these textures, if the table layout supports the model.
     fn takes(&self, _: BrdfKind) -> bool {
         true
     }
 
-    /// Whether its readers support a second lobe.
+    /// Whether shaders can read a second lobe from these textures.
     fn takes_two_lobes(&self) -> bool {
         false
     }
@@ -63,7 +63,7 @@ pub(crate) trait TextureRules: Sync {
     fn textures(&self, table: &Table) -> Result<Vec<Texture>, NoTextures>;
 }
 
-/// A texture of a layout, from the numbers of its texels in order.
+/// A texture, from the numbers of its texels in order.
 pub(super) fn made(
     of: &TexturesOf,
     sides: [usize; 3],

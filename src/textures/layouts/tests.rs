@@ -2,7 +2,7 @@ use super::*;
 use ltcforge_files::recipe_document;
 use ltcforge_fit::{Recipe, Terms};
 
-/// A table whose numbers identify their places: number `k` of entry `i` is `16 i + k`; 9 and 10 are the terms.
+/// A table in which each number identifies its position: number `k` of entry `i` is `16 i + k`. 9 and 10 are the terms.
 fn planted(document: &str) -> Table {
     let recipe: Recipe = recipe_document::parse(document.as_bytes(), u64::MAX).expect("a recipe");
     let entries = recipe.entries() as usize;
@@ -26,7 +26,7 @@ fn owned(names: &[&str]) -> Vec<String> {
     names.iter().map(|name| (*name).to_owned()).collect()
 }
 
-/// A channel of a texel, by the channel's name.
+/// A channel of a texel, found by its name.
 fn at(texture: &Texture, channel: &str, [x, y, z]: [usize; 3]) -> f32 {
     let [width, height] = [texture.width, texture.height].map(|n| n as usize);
     let place = texture.channels.iter().position(|own| own == channel).expect(channel);
@@ -34,12 +34,12 @@ fn at(texture: &Texture, channel: &str, [x, y, z]: [usize; 3]) -> f32 {
 }
 
 #[test]
-fn every_description_is_that_of_the_textures() {
+fn every_description_matches_the_textures() {
     for layout in TextureLayout::ALL {
         let sampling = layout.sampling();
         let table = planted(sampling.recipe);
         assert_eq!(table.layout, sampling.table, "{layout}");
-        let textures = layout.textures(&table).expect("the recipe has them");
+        let textures = layout.textures(&table).expect("a table with these textures");
         assert_eq!(textures.len(), sampling.textures.len(), "{layout}");
         for (texture, of) in textures.iter().zip(sampling.textures) {
             assert_eq!((texture.name.as_str(), texture.channels.as_slice()), (of.name, owned(of.channels).as_slice()));
@@ -50,9 +50,9 @@ fn every_description_is_that_of_the_textures() {
     }
 }
 
-/// The layers of second lobes follow those of first lobes in each part, in volumes and in an array.
+/// In each part, the layers of the second lobes follow those of the first lobes, in volumes and in an array.
 #[test]
-fn second_lobes_have_layers_of_their_own_and_no_place_elsewhere() {
+fn second_lobes_have_their_own_layers_and_no_place_in_2d_textures() {
     let table = planted(&SMALL.replacen('{', r#"{"fresnel": "two_lobes", "#, 1));
     let second = table.matrix.iter().map(|m| m.map(|x| -x)).collect();
     let table = Table { second: Some(second), ..table };
@@ -74,13 +74,13 @@ fn second_lobes_have_layers_of_their_own_and_no_place_elsewhere() {
     let isotropic = planted(r#"{"layout": "ltc2017", "fresnel": "two_lobes", "resolution": {"alpha": 5, "theta": 3}}"#);
     let isotropic = Table { second: Some(isotropic.matrix.clone()), ..isotropic };
     let refused = textures_of(&isotropic, "ltc2017").expect_err("no place for them").to_string();
-    assert!(refused.contains("one lobe an entry") && !refused.contains("two_lobes"), "{refused}");
+    assert!(refused.contains("one lobe per entry") && !refused.contains("two_lobes"), "{refused}");
     assert_eq!(textures_of(&isotropic, "ltc2017-3d").expect("textures")[0].depth, 10);
 }
 
 #[test]
 fn isotropic_textures_have_roughness_along_x_and_the_view_along_y() {
-    // For each channel of the matrix, its element row * 3 + column of the stored matrix.
+    // For a channel of the matrix, the index row * 3 + column in the stored matrix.
     let of_matrix = |channel: &str| -> Option<f32> {
         let place = channel.strip_prefix("minv").or(channel.strip_prefix('m'))?;
         let (row, column) = (place[..1].parse::<u8>().ok()?, place[1..].parse::<u8>().ok()?);
@@ -125,8 +125,8 @@ fn isotropic_textures_have_roughness_along_x_and_the_view_along_y() {
 fn the_sphere_is_indexed_by_elevation_and_length() {
     let table = planted(r#"{"layout": "ltc2017", "resolution": {"alpha": 5, "theta": 3}}"#);
     let second = &textures_of(&table, "ltc2017").expect("textures")[1];
-    // x is the cosine from -1 to 1, y the length from 0 to 1. At length 0 a cosine, at length 1 a hemisphere (1 + c) /
-    // 2.
+    // x is the cosine from -1 to 1, and y is the length from 0 to 1. The result is a cosine at length 0, and the result
+    // for a hemisphere, (1 + c) / 2, at length 1.
     for (x, cos) in [-1.0_f32, -0.5, 0.0, 0.5, 1.0].into_iter().enumerate() {
         assert_eq!(at(second, "sphere", [x, 0, 0]), cos.max(0.0));
         assert!((at(second, "sphere", [x, 2, 0]) - 0.5 * (1.0 + cos)).abs() < 1e-6);
@@ -134,7 +134,7 @@ fn the_sphere_is_indexed_by_elevation_and_length() {
 }
 
 #[test]
-fn three_textures_or_one_array_have_an_entry_in_the_order_of_the_file() {
+fn volumes_and_arrays_have_entries_in_the_order_of_the_file() {
     let table = planted(SMALL);
     let textures = textures_of(&table, "kt2022").expect("textures");
     for (part, texture) in textures.iter().enumerate() {
@@ -167,7 +167,7 @@ fn the_published_volume_has_rows_over_alpha_and_ratio() {
 }
 
 #[test]
-fn what_a_table_cannot_serve_is_said_with_the_recipe_that_could() {
+fn errors_name_a_recipe_with_these_textures() {
     let refused = |table: &Table, layout: &str| textures_of(table, layout).expect_err(layout).to_string();
     let small = planted(SMALL);
     assert!(refused(&small, "reflected").contains(r#"{"layout": "reflected"}"#));
@@ -178,7 +178,7 @@ fn what_a_table_cannot_serve_is_said_with_the_recipe_that_could() {
     assert!(refused(&small, "square").contains("layouts with textures: reflected, kt2022"));
     let sheen = refused(&planted(r#"{"brdf": "charlie", "layout": "ltc2017"}"#), "hdrp");
     assert!(sheen.ends_with(r#"{"brdf": "charlie", "layout": "hdrp"}"#), "{sheen}");
-    // The lobes of sheen are not around a reflection.
+    // The lobes of sheen are not near a reflection.
     let reflected = refused(&planted(r#"{"brdf": "charlie", "layout": "ltc2017"}"#), "reflected");
     assert!(reflected.ends_with(r#"{"layout": "reflected"}"#), "{reflected}");
     let mut without = planted(r#"{"layout": "ltc2017"}"#);

@@ -1,7 +1,7 @@
-//! The textures that our shader reads, for each layout of tables.
+//! The textures that our shader reads, for each table layout.
 //!
-//! Nodes need not be evenly spaced. A shader finds the place along each axis among the nodes, and samples between texel
-//! centres or interpolates texels itself.
+//! Nodes need not be evenly spaced. A shader finds the position among the nodes on each axis. It then samples between
+//! texel centres, or interpolates the texels itself.
 
 use super::{
     error::NoTextures,
@@ -11,7 +11,7 @@ use super::{
 use crate::texture::Texture;
 use ltcforge_fit::{Layout, Table};
 
-/// The order in which a file stores its entries.
+/// Axes for the order in which a file stores its entries.
 const VOLUME: &[TextureAxis] = &[
     TextureAxis { axis: "x", coordinate: "node of phi" },
     TextureAxis { axis: "y", coordinate: "node of ratio times how many theta has, plus node of theta" },
@@ -22,7 +22,7 @@ const ARRAY: &[TextureAxis] = &[
     TextureAxis { axis: "y", coordinate: "node of ratio times how many theta has, plus node of theta" },
     TextureAxis {
         axis: "layer",
-        coordinate: "node of alpha; first those of matrix_a, then of matrix_b, then of terms",
+        coordinate: "node of alpha; first all layers of matrix_a, then of matrix_b, then of terms",
     },
 ];
 const PARTS: &[TexturesOf] = &[
@@ -41,7 +41,7 @@ const PARTS: &[TexturesOf] = &[
 const TOGETHER: &[TexturesOf] = &[TexturesOf {
     name: "ltc",
     channels: &["x", "y", "z", "w"],
-    meaning: "m00 m01 m02 m10, in the layers after these m11 m12 m20 m21, then m22 amplitude fresnel and 0",
+    meaning: "matrix_a: m00 m01 m02 m10; matrix_b: m11 m12 m20 m21; terms: m22 amplitude fresnel 0",
 }];
 const COLUMN: &str = "the stored matrix, its third column of unit length";
 
@@ -65,7 +65,7 @@ pub(super) const GODOT: ShaderTextures = of(&isotropic::GODOT);
 pub(super) const HDRP: ShaderTextures = of(&isotropic::HDRP);
 pub(super) const INVERSE: ShaderTextures = ShaderTextures {
     table: Layout::Inverse,
-    normalisation: "the stored matrix, the inverse of the one with a third column of unit length",
+    normalisation: "the stored matrix, whose inverse has a third column of unit length",
     recipe: r#"{"layout": "inverse"}"#,
     ..REFLECTED
 };
@@ -78,13 +78,13 @@ pub(super) const MATRIX33: ShaderTextures = ShaderTextures {
 pub(super) const REFLECTED_ARRAY: ShaderTextures = ShaderTextures { is_array: true, ..REFLECTED };
 pub(super) const KT2022_ARRAY: ShaderTextures = ShaderTextures { is_array: true, ..KT2022 };
 
-/// The textures for our shader of tables that also have 2D textures for engines.
+/// The textures for our shader, for a table layout that also has 2D textures for engines.
 const fn of(engines: &isotropic::EngineTextures) -> ShaderTextures {
     let TextureSampling { table, normalisation, recipe, .. } = engines.sampling;
     ShaderTextures { table, is_array: false, normalisation, recipe }
 }
 
-/// Textures with the entries of a table in order, as our shader reads them.
+/// Textures with the entries of a table in order, in the form that our shader reads.
 pub(super) struct ShaderTextures {
     table: Layout,
     is_array: bool,
@@ -119,7 +119,7 @@ impl TextureRules for ShaderTextures {
     }
 }
 
-/// The texels of a part for one lobe, in the order of the entries.
+/// The texels of one part of a lobe, in the order of the entries.
 fn texels(table: &Table, lobe: &[[f32; 9]], part: usize) -> Vec<f32> {
     let terms = |i: usize| table.terms.as_ref().map_or([1.0, 0.0], |t| [t.amplitude()[i], t.fresnel()[i]]);
     let texel = |(i, m): (usize, &[f32; 9])| match part {

@@ -1,27 +1,27 @@
-//! The curve from the numbers of a file to linear numbers.
+//! The curve from the numbers in a file to linear numbers.
 
 use std::fmt;
 
 use ltcforge_fit::{math::pow, named_list};
 
 named_list! {
-    /// The relation between an image file's numbers and light.
+    /// The relation between the numbers of an image file and light.
     pub enum TransferFunction {
         /// Numbers are proportional to light.
         Linear = "linear",
-        /// Numbers follow the curve of sRGB.
+        /// Numbers follow the sRGB curve.
         Srgb = "srgb",
     }
 }
 
-/// The curve with which the numbers of an image are read.
+/// The curve that decodes the numbers of an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Curve {
     /// Numbers are used unchanged.
     Linear,
-    /// The curve of sRGB [IEC 61966-2-1].
+    /// The sRGB curve [IEC 61966-2-1].
     Srgb,
-    /// The power in the file.
+    /// A power, from the file's gamma.
     Power(f64),
 }
 
@@ -45,7 +45,7 @@ impl fmt::Display for Curve {
 }
 
 impl Curve {
-    /// The linear number. sRGB continues above 1 with the same formula. Domain: `Power` takes numbers of at least zero.
+    /// The linear number. Above 1, sRGB continues with the same formula. Domain: numbers of at least zero for `Power`.
     pub(super) fn linear(self, x: f64) -> f64 {
         match self {
             Self::Linear => x,
@@ -55,7 +55,7 @@ impl Curve {
         }
     }
 
-    /// The linear numbers of all integers up to `largest`, which is 1.
+    /// The linear numbers for all integers up to `largest`, which becomes 1.
     pub(super) fn table(self, largest: u16) -> Vec<f32> {
         (0..=largest).map(|x| self.linear(f64::from(x) / f64::from(largest)) as f32).collect()
     }

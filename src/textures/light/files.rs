@@ -1,4 +1,4 @@
-//! The files of a prefiltered picture.
+//! Writes the files of a prefiltered picture.
 
 use half::f16;
 use ltcforge_fit::{Precision, named_list};
@@ -13,9 +13,9 @@ use crate::{
 named_list! {
     /// The format of a prefiltered picture's texels.
     pub enum LightTexels {
-        /// Halves: red, green, blue, and in KTX2 an alpha of one, because GPUs have no texels of three halves.
+        /// Halves: red, green, blue, and in KTX2 an alpha of one, because GPUs have no texels with three halves.
         Rgba16f = "rgba16f",
-        /// Three numbers of nine bits and a shared exponent: half as long. Only in KTX2.
+        /// Three numbers of nine bits and a shared exponent. Half the size of `rgba16f`. Only in KTX2.
         Rgb9e5 = "rgb9e5",
         /// Floats: red, green, blue, and in KTX2 an alpha of one.
         Rgba32f = "rgba32f",
@@ -31,34 +31,34 @@ pub struct LightTextureFile {
     pub bytes: Vec<u8>,
 }
 
-/// The files, and the errors of rounding.
+/// The files, with their rounding errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightTextureFiles {
     /// The files: a single file, or one file for each level, the finest first.
     pub files: Vec<LightTextureFile>,
     /// The largest change of a channel, divided by the largest channel of its texel. Texels below 2^-14 and texels with
-    /// clamped numbers do not count.
+    /// clamped numbers are excluded.
     pub error: f64,
-    /// The number of values above the format's largest value, which were clamped to it.
+    /// The number of values above the format's largest value. They were clamped to it.
     pub clamped: u64,
 }
 
-/// The smallest texels that count: at 2^-14 halves have 11 bits, and below it fewer.
+/// Smaller texels are excluded from the error: below 2^-14, halves have fewer than 11 bits.
 const SMALL: f32 = 6.103_515_6e-5;
 
-/// The key and value that state the direction of rows and columns.
+/// The KTX2 key and value for the direction of rows and columns.
 const ORIENTATION: (&str, &str) = ("KTXorientation", "rd");
 
-/// The flag of the exponent, and the numbers for one and for the largest exponent, in a descriptor of RGB9E5
-/// [Khronos Data Format Specification 1.3, section 16.4].
+/// The flag of the exponent, and the encodings of one and of the largest exponent, in a descriptor for RGB9E5 [Khronos
+/// Data Format Specification 1.3, section 16.4].
 const EXPONENT: u8 = 0x20;
 const ONE_OF_RGB9E5: u32 = 8448;
 const EXPONENT_RANGE: [u32; 2] = [15, 31];
 const VK_FORMAT_E5B9G9R9: u32 = 123;
 
-/// The files of a picture. `ktx2` and `ktx2-zstd` write one file `NAME.ktx2` with all levels. Other containers write
-/// the files of one texture for each level; `NAME_0` is the finest. Domain: `name` has 1 to 60 ASCII letters, digits
-/// and underscores, a letter first.
+/// Writes the files of a picture. `ktx2` and `ktx2-zstd` write one file `NAME.ktx2` with all levels. Other containers
+/// write one texture per level, and `NAME_0` is the finest. Domain: `name` has 1 to 60 ASCII letters, digits and
+/// underscores, and starts with a letter.
 ///
 /// # Errors
 /// The container cannot store these texels.
@@ -82,7 +82,7 @@ pub fn light_texture_files(
         }
         _ => {
             let precision = match texels {
-                // The container has no format with three channels of 16 bits.
+                // The container cannot store three 16-bit channels.
                 LightTexels::Rgba16f if matches!(container, TextureContainer::Dds | TextureContainer::DdsDx10) => {
                     return Err(unsupported(name, container, "texels", texels.name().to_owned(), "rgba32f"));
                 }
@@ -105,7 +105,7 @@ pub fn light_texture_files(
     Ok(LightTextureFiles { files, error, clamped })
 }
 
-/// Whether a file begins like KTX2, the container of pictures.
+/// Whether a file starts like KTX2, the usual container for pictures.
 #[must_use]
 pub fn is_light_texture(start: &[u8]) -> bool {
     start.starts_with(&KTX2_IDENTIFIER)
@@ -122,7 +122,7 @@ fn unsupported(
     TextureFileError::Unsupported { name, field, value, container: container.name(), allowed }
 }
 
-/// A texel as the format stores it.
+/// A texel, rounded as the format stores it.
 fn rounded(texel: [f32; 3], texels: LightTexels) -> [f32; 3] {
     match texels {
         LightTexels::Rgba16f => texel.map(|x| half_of(x).to_f32_const()),
@@ -131,7 +131,7 @@ fn rounded(texel: [f32; 3], texels: LightTexels) -> [f32; 3] {
     }
 }
 
-/// The nearest half; the largest half for larger numbers.
+/// The nearest half. Numbers above the largest half become the largest half.
 fn half_of(x: f32) -> f16 {
     f16::from_f32_const(x.min(f16::MAX.to_f32_const()))
 }

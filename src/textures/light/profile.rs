@@ -1,6 +1,6 @@
-//! Photometric profiles: IES LM-63 files, as a picture over the tangents of directions.
+//! Photometric profiles: IES LM-63 files, as a picture over the tangents of angles.
 //!
-//! Invariant: hostile bytes give every error of the header within bounded time and memory, never a panic.
+//! Invariant: hostile bytes give all errors of the header within bounded time and memory, never a panic.
 
 use ltcforge_fit::math::atan2;
 use ltcforge_light::textured::{LightImage, PROFILE_TANGENT};
@@ -9,48 +9,48 @@ use ltcforge_light::textured::{LightImage, PROFILE_TANGENT};
 const SIDE: usize = 512;
 /// The name of the format.
 pub const PROFILE_FORMAT: &str = "IES LM-63";
-/// The most angles of an axis, and the most candelas of a file.
+/// The largest number of angles per axis, and of candelas per file.
 const MOST_ANGLES: usize = 3600;
 const MOST_CANDELAS: usize = 1 << 20;
-/// The most bytes of a file, more than so many numbers take.
+/// The largest file size in bytes. It leaves room for all allowed numbers.
 const MOST_BYTES: usize = 1 << 24;
-/// The number of values between the line TILT and the angles.
+/// The number of values between the TILT line and the angles.
 const HEADER: usize = 13;
 
-/// The file is not a readable profile; lists all errors.
+/// The file is not a valid profile. Lists all errors.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("not a readable IES LM-63 file: {}", .0.join("; "))]
 pub struct ProfileError(Vec<String>);
 
-/// The candelas of a lamp by direction, in type C: the angle from the axis and the angle around it.
+/// The candelas of a lamp by direction, for type C: by the angle from the axis and the angle around it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
-    /// Degrees from the axis.
+    /// Angles from the axis, in degrees.
     vertical: Vec<f64>,
-    /// Degrees around the axis, from 0 to 0, 90, 180 or 360. They cover a full turn by symmetry, by four quadrants, by
-    /// two halves, or directly.
+    /// Angles around the axis in degrees. They end at 0 for rotational symmetry, at 90 for four equal quadrants, at 180
+    /// for two equal halves, and otherwise at 360.
     horizontal: Vec<f64>,
-    /// The candelas of all vertical angles, for each horizontal angle.
+    /// The candelas for each horizontal angle and, within it, each vertical angle.
     candelas: Vec<f64>,
 }
 
-/// Whether bytes begin like an IES file since LM-63-1991.
+/// Whether the bytes start like an IES file of LM-63-1991 or later.
 pub(super) fn is_profile(bytes: &[u8]) -> bool {
     [b"IESNA".as_slice(), b"IES:"].iter().any(|magic| bytes.starts_with(magic))
 }
 
 impl Profile {
-    /// Reads an IES LM-63 file with photometry of type C and without tilt.
+    /// Reads an IES LM-63 file with type C photometry and without tilt.
     ///
     /// # Errors
-    /// [`ProfileError`] with each error in the line TILT, the header, the angles and the candelas.
+    /// [`ProfileError`] with all errors in the TILT line, the header, the angles and the candelas.
     pub fn parse(bytes: &[u8]) -> Result<Self, ProfileError> {
         let one = |fault: String| ProfileError(vec![fault]);
         if bytes.len() > MOST_BYTES {
             return Err(one(format!("{} bytes; at most {MOST_BYTES} are read", bytes.len())));
         }
         let text = String::from_utf8_lossy(bytes);
-        let at = text.find("TILT=").ok_or_else(|| one("there is no line TILT=".to_owned()))?;
+        let at = text.find("TILT=").ok_or_else(|| one("the line TILT= is missing".to_owned()))?;
         let (tilt, rest) = text[at + 5..].split_once('\n').unwrap_or((&text[at + 5..], ""));
         if tilt.trim() != "NONE" {
             let tilt: String = tilt.trim().chars().take(40).collect();
@@ -122,13 +122,13 @@ impl Profile {
         })
     }
 
-    /// The number of angles around the axis, and from it.
+    /// The number of angles around the axis, and the number of angles from it.
     #[must_use]
     pub fn angles(&self) -> [usize; 2] {
         [self.horizontal.len(), self.vertical.len()]
     }
 
-    /// The candelas of a direction `(x, y, 1)`, interpolated linearly between angles. The angle around the axis runs
+    /// The candelas for a direction `(x, y, 1)`, interpolated linearly between angles. The angle around the axis runs
     /// from x to y.
     #[must_use]
     pub fn candelas(&self, [x, y]: [f64; 2]) -> f64 {
@@ -150,8 +150,8 @@ impl Profile {
         row(i) + (row(i + 1) - row(i)) * s
     }
 
-    /// The picture over tangents: candelas divided by the cosine of the angle to the axis, the radiance for an area of
-    /// one. u runs from -4 to 4 along x, v along y.
+    /// The picture over tangents. A texel is the candelas divided by the cosine of the angle to the axis: the radiance
+    /// of a light with area one. u runs from -4 to 4 along x, and v along y.
     ///
     /// # Panics
     /// Never: candelas are finite and not negative.
@@ -167,7 +167,7 @@ impl Profile {
     }
 }
 
-/// The last node at or below a value, and the fraction of the way to the next node.
+/// The last node at or below a value, and the position between it and the next node, from 0 to 1.
 fn between(nodes: &[f64], x: f64) -> (usize, f64) {
     let i = nodes.partition_point(|node| *node <= x).saturating_sub(1);
     nodes.get(i + 1).map_or((i, 0.0), |next| (i, (x - nodes[i]) / (next - nodes[i])))
@@ -197,7 +197,7 @@ mod tests {
 
     #[test]
     fn candelas_are_linear_between_angles_and_mirrored() {
-        // A quadrant: 0, 45 and 90 degrees from the axis, 0 and 90 around it; times 2 and 0.5.
+        // A quadrant: 0, 45 and 90 degrees from the axis, and 0 and 90 degrees around it. The factors are 2 and 0.5.
         let text =
             file("1 -1 2 3 2 1 2 0 0 0", "0 45 90, 0 90", "100 60 0\n100 20 0").replace("\n1 1 100", "\n0.5 1 100");
         let profile = Profile::parse(text.as_bytes()).expect("a profile");
@@ -213,16 +213,16 @@ mod tests {
             near([0.5_f64.sqrt(), sign * 0.5_f64.sqrt()], 40.0);
             near([22.5_f64.to_radians().tan() * sign, 0.0], 80.0);
         }
-        // The value is divided by the cosine, at a texel near a tangent of one.
+        // The picture divides the value by the cosine. The texel is near a tangent of one.
         let image = profile.image();
         let texel = image.row(256)[256 + 64];
         assert!((f64::from(texel[0]) / (60.0 * 2.0_f64.sqrt()) - 1.0).abs() < 0.01, "{texel:?}");
     }
 
     #[test]
-    fn all_faults_of_a_file_are_told() {
-        let said = |text: &str| Profile::parse(text.as_bytes()).expect_err("no profile").to_string();
-        assert!(said("IESNA91\n").ends_with("there is no line TILT="));
+    fn all_faults_of_a_file_are_reported() {
+        let said = |text: &str| Profile::parse(text.as_bytes()).expect_err("not a profile").to_string();
+        assert!(said("IESNA91\n").ends_with("the line TILT= is missing"));
         assert!(said("IESNA91\nTILT=INCLUDE\n1").ends_with("TILT is «INCLUDE»; only NONE is supported"));
         assert!(said("IESNA91\nTILT=NONE\n1 1 x").ends_with("number 3 is «x»"));
         assert!(said("IESNA91\nTILT=NONE\n1 1 nan").ends_with("number 3 is «nan»"));

@@ -1,4 +1,4 @@
-//! RGB9E5: three numbers of nine bits and a shared exponent, a texel in four bytes \[`EXT_texture_shared_exponent`\].
+//! RGB9E5: three numbers of nine bits and a shared exponent, in four bytes per texel \[`EXT_texture_shared_exponent`\].
 
 /// The largest number, `511 / 512 2^16`.
 pub(super) const LARGEST: f32 = 65_408.0;
@@ -7,17 +7,17 @@ pub(super) const LARGEST: f32 = 65_408.0;
 const BITS: i32 = 9;
 const BIAS: i32 = 15;
 
-/// The texel whose largest number is rounded to nine bits; the others have the same step. Numbers above [`LARGEST`]
-/// become [`LARGEST`]. Domain: finite numbers of at least zero.
+/// Packs a texel. The largest number is rounded to nine bits, and the other two have the same step. Numbers above
+/// [`LARGEST`] become [`LARGEST`]. Domain: finite numbers of at least zero.
 pub(super) fn pack(texel: [f32; 3]) -> u32 {
     let texel = texel.map(|x| f64::from(x.min(LARGEST)));
     let largest = texel[0].max(texel[1]).max(texel[2]);
-    // The exponent of the largest number, from its bits, is exact on every machine.
+    // The exponent of the largest number, taken from its bits. This is exact on every machine.
     let floor = ((largest as f32).to_bits() >> 23).cast_signed() - 127;
     let exponent = floor.max(-BIAS - 1) + 1 + BIAS;
     let steps = |exponent: i32| texel.map(|x| (x * step(exponent).recip()).round_ties_even() as u32);
     let is_whole = steps(exponent).iter().all(|steps| *steps < 1 << BITS);
-    // The largest number may round up to the next power of two.
+    // Rounding can raise the largest number to the next power of two.
     let exponent = if is_whole { exponent } else { exponent + 1 };
     let [r, g, b] = steps(exponent);
     r | g << 9 | b << 18 | (exponent as u32) << 27
@@ -29,7 +29,7 @@ pub(super) fn unpack(packed: u32) -> [f32; 3] {
     [0, 9, 18].map(|shift| (f64::from(packed >> shift & 0x1ff) * step) as f32)
 }
 
-/// The step between numbers: a power of two.
+/// The step between numbers, for an exponent. It is a power of two.
 fn step(exponent: i32) -> f64 {
     f64::from_bits(((1023 + exponent - BIAS - BITS) as u64) << 52)
 }
@@ -38,7 +38,7 @@ fn step(exponent: i32) -> f64 {
 mod tests {
     use super::*;
 
-    /// The error is at most half a step of the largest number, which has at least 256 steps.
+    /// The error is at most half a step. The largest number has at least 256 steps.
     const ERROR: f32 = 0.5 / 256.0;
 
     #[test]
@@ -57,12 +57,12 @@ mod tests {
     }
 
     #[test]
-    fn what_nine_bits_hold_stays() {
+    fn numbers_of_nine_bits_are_unchanged() {
         for texel in [[0.0; 3], [LARGEST; 3], [1.0, 0.5, 0.25], [511.0, 1.0, 256.0], [5.960_464_5e-8, 0.0, 0.0]] {
             assert_eq!(unpack(pack(texel)), texel);
         }
         assert_eq!(unpack(pack([1e9, 0.0, 0.0])), [LARGEST, 0.0, 0.0]);
-        // An example of the specification: one half is 256 steps of 2^-9 with exponent 0.
+        // An example of the specification: one half is 256 steps of 2^-9, with exponent 0.
         assert_eq!(pack([0.5, 0.0, 0.0]), 256 | 15 << 27);
         // 511.75 of 512 rounds up into the next exponent.
         assert_eq!(unpack(pack([0.999_8, 0.0, 0.0])), [1.0, 0.0, 0.0]);

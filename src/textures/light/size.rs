@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-/// The width and the height of a light, in any unit: finite and above zero. As text `1.6x0.9`.
+/// The width and the height of a light, in any unit. Both are finite and above zero. As text `1.6x0.9`.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Deserialize)]
 #[serde(try_from = "String")]
 pub struct LightSize(pub(super) [f64; 2]);
@@ -22,9 +22,7 @@ impl FromStr for LightSize {
         let length = |text: &str| text.parse::<f64>().ok().filter(|x| *x > 0.0 && x.is_finite());
         let sides = text.split_once('x').and_then(|(width, height)| Some(Self([length(width)?, length(height)?])));
         sides.ok_or_else(|| {
-            format!(
-                "«{text}» is not the size of a light; write a width and a height above zero with an x between, such as 1.6x0.9"
-            )
+            format!("«{text}» is not the size of a light; write a width and a height above zero, such as 1.6x0.9")
         })
     }
 }

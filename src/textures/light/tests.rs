@@ -1,4 +1,4 @@
-//! Image files in each format, damaged files, and the files of a pyramid read back.
+//! Tests image files in each format, damaged files, and the files of a pyramid, which are read back.
 
 use std::io::{Cursor, Read as _};
 
@@ -14,10 +14,10 @@ use super::{
 use crate::{About, Texture, TextureContainer};
 use ltcforge_fit::Precision;
 
-/// Compressors of `OpenEXR` that keep small whole numbers exactly.
+/// Compressors of `OpenEXR` that store small whole numbers exactly.
 const PACKED: [Compression; 4] = [Compression::RLE, Compression::ZIP16, Compression::PIZ, Compression::PXR24];
 
-/// A PNG of these numbers, with a chunk before the pixels.
+/// A PNG file with these numbers, and a chunk before the pixels.
 fn png(
     size: [u32; 2],
     color: ::png::ColorType,
@@ -44,7 +44,7 @@ fn exr(channels: &[&str], texels: Vec<f32>) -> Vec<u8> {
     files.expect("EXR").remove(0).bytes
 }
 
-/// 16 x 16 pixels of `OpenEXR` with a compressor.
+/// An `OpenEXR` file of 16 x 16 pixels with this compressor.
 fn packed_exr(compression: Compression) -> Vec<u8> {
     let channels = SpecificChannels::rgb(|at: Vec2<usize>| (at.0 as f32, at.1 as f32, 0.25_f32));
     let encoding = Encoding { compression, ..Encoding::default() };
@@ -54,7 +54,7 @@ fn packed_exr(compression: Compression) -> Vec<u8> {
     file.into_inner()
 }
 
-/// Two pixels of Radiance HDR, without run-length encoding.
+/// A Radiance HDR file of two pixels, without run-length encoding.
 fn radiance(magic: &str, pixels: [[u8; 4]; 2]) -> Vec<u8> {
     let header = format!("{magic}\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n");
     [header.as_bytes(), pixels.as_flattened()].concat()
@@ -111,7 +111,7 @@ fn each_format_becomes_linear() {
 }
 
 #[test]
-fn the_file_or_the_caller_says_what_numbers_mean() {
+fn the_file_or_the_caller_selects_the_curve() {
     let curve = |chunk: ([u8; 4], &[u8])| decoded(&rgb8(Some(chunk))).curve;
     assert_eq!(curve((*b"gAMA", &100_000_u32.to_be_bytes())), Curve::Linear);
     assert_eq!(curve((*b"gAMA", &45_455_u32.to_be_bytes())), Curve::Srgb);
@@ -128,8 +128,8 @@ fn the_file_or_the_caller_says_what_numbers_mean() {
 }
 
 #[test]
-fn what_is_no_light_is_named() {
-    let said = |bytes: &[u8]| LightPicture::decode(bytes, None).expect_err("no light").to_string();
+fn files_that_are_not_light_are_rejected() {
+    let said = |bytes: &[u8]| LightPicture::decode(bytes, None).expect_err("not light").to_string();
     assert_eq!(said(b"GIF89a"), "this file is not a readable image; allowed: PNG, OpenEXR, Radiance HDR, JPEG");
     assert_eq!(said(b""), said(b"GIF89a"));
     assert!(said(&exr(&["R", "G", "B"], vec![0.5, -2.0, 1.0, 0.0, 3.0, -7.0])).contains("x 0, y 0 has green -2; 2 of"));
@@ -149,7 +149,7 @@ fn what_is_no_light_is_named() {
     }
 }
 
-/// The checksum of a PNG chunk, the lowest byte first.
+/// The checksum of a PNG chunk, lowest byte first.
 fn flate2_crc(bytes: &[u8]) -> [u8; 4] {
     let step = |crc: u32, byte: &u8| {
         (0..8).fold(crc ^ u32::from(*byte), |crc, _| if crc & 1 == 1 { 0xedb8_8320 ^ (crc >> 1) } else { crc >> 1 })
@@ -176,7 +176,7 @@ proptest! {
         };
         for (index, byte) in changes {
             let at = index.index(bytes.len());
-            // The first bytes stay, because they select the decoder of the rest.
+            // The first bytes are unchanged, because they select the decoder.
             if at > 8 {
                 bytes[at] = byte;
             }
@@ -193,7 +193,7 @@ fn pyramid() -> LightPyramid {
     LightPyramid::new(&LightImage::new(5, 3, texels).expect("an image"))
 }
 
-/// The levels of a KTX2 file. Checks that its fields describe them.
+/// The levels of a KTX2 file. Checks that the fields of the file describe them.
 fn ktx2_levels(file: &[u8], texels: LightTexels, zstd: bool) -> Vec<Vec<u8>> {
     let reader = ktx2::Reader::new(file).expect("KTX2");
     let header = reader.header();
@@ -232,7 +232,7 @@ fn ktx2_levels(file: &[u8], texels: LightTexels, zstd: bool) -> Vec<Vec<u8>> {
     reader.levels().map(data).collect()
 }
 
-/// The lengths that docs/textured.md states.
+/// Checks the file sizes in docs/textured.md.
 #[test]
 fn files_are_four_thirds_of_the_texels() {
     let image = LightImage::new(1024, 1024, vec![[0.5; 3]; 1 << 20]).expect("an image");
@@ -246,7 +246,7 @@ fn files_are_four_thirds_of_the_texels() {
 }
 
 #[test]
-fn ktx2_holds_all_levels() {
+fn ktx2_stores_all_levels() {
     let (pyramid, about) = (pyramid(), About::new(["a light"]));
     for (texels, most) in
         [(LightTexels::Rgba16f, 2e-4..5e-4), (LightTexels::Rgb9e5, 5e-4..2e-3), (LightTexels::Rgba32f, 0.0..1e-9)]
@@ -292,7 +292,7 @@ fn ktx2_holds_all_levels() {
 }
 
 #[test]
-fn other_containers_hold_a_texture_for_each_level() {
+fn other_containers_store_a_texture_for_each_level() {
     let (pyramid, about) = (pyramid(), About::new(["a light"]));
     let files = |container, texels| light_texture_files("screen", &pyramid, container, texels, &about);
     let made = files(TextureContainer::Exr, LightTexels::Rgba32f).expect("files");

@@ -1,4 +1,4 @@
-//! From a picture file to the files of its pyramid.
+//! Creates the files of a pyramid from a picture file.
 
 use ltcforge_files::digest::Digest;
 use ltcforge_light::textured::{LightPyramid, PROFILE_TANGENT};
@@ -10,29 +10,29 @@ use super::{
 };
 use crate::{About, TextureContainer, TextureFileError};
 
-/// Options for the files of a picture.
+/// Options for creating the files of a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightTextureOptions {
-    /// The light on which texels are to be square; `None` if they are square already.
+    /// The size of the light on which texels should be square. `None` if they are already square.
     pub light: Option<LightSize>,
-    /// The meaning of the picture's numbers; `None` to follow the file.
+    /// The transfer function of the picture. `None` to follow the file.
     pub transfer: Option<TransferFunction>,
     /// The format of the files.
     pub container: TextureContainer,
     /// The format of texels.
     pub texels: LightTexels,
-    /// The most pixels of the picture, and the most texels of the finest level.
+    /// The largest number of pixels in the picture, and of texels in the finest level.
     pub most_pixels: u64,
 }
 
 /// A prefiltered picture.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LightTexture {
-    /// The format of the picture, [`PictureFormat`], or «IES LM-63».
+    /// The format of the source: a [`PictureFormat`], or «IES LM-63».
     pub format: &'static str,
-    /// The curve with which its numbers were read.
+    /// The curve that decoded its numbers.
     pub transfer: String,
-    /// The width and height in pixels; for a profile, the numbers of angles around the axis and from it.
+    /// The width and height in pixels. For a profile, the number of angles around the axis and from it.
     pub picture: [usize; 2],
     /// The size of the finest level in texels.
     pub size: [usize; 2],
@@ -52,7 +52,7 @@ pub struct LightTexture {
 /// The picture cannot be prefiltered.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LightTextureError {
-    /// The file begins neither like a picture nor like a profile.
+    /// The file starts neither like a picture nor like a profile.
     #[error(
         "this file is neither a readable image nor a readable profile; allowed: {}, {PROFILE_FORMAT}",
         PictureFormat::names()
@@ -64,15 +64,15 @@ pub enum LightTextureError {
     /// The profile is invalid.
     #[error(transparent)]
     Profile(#[from] ProfileError),
-    /// The option does not apply to a profile, which has directions and not places.
-    #[error("an IES profile is linear and needs no size of a light: leave out {}", .0.join(" and "))]
+    /// These options do not apply to a profile, which is always linear and has directions instead of positions.
+    #[error("an IES profile is always linear and has no light size: leave out {}", .0.join(" and "))]
     OfProfile(Vec<&'static str>),
-    /// Square texels on this light would be too many.
+    /// Square texels on this light would exceed the limit.
     #[error("square texels on this light need {} x {} texels; at most {most} are allowed", .size[0], .size[1])]
     Size {
-        /// The number of texels along both sides.
+        /// The number of texels along each side.
         size: [usize; 2],
-        /// The number of texels that is allowed.
+        /// The allowed number of texels.
         most: u64,
     },
     /// The format cannot store the texels.
@@ -81,17 +81,18 @@ pub enum LightTextureError {
 }
 
 impl From<LightFileError> for LightTextureError {
-    /// Replaces the error of an unknown picture format by one that mentions profiles.
+    /// Replaces the error for an unknown picture format by an error that mentions profiles.
     fn from(error: LightFileError) -> Self {
         if error == LightFileError::Format { Self::Format } else { Self::Picture(error) }
     }
 }
 
-/// Prefilters the picture of a file, or the radiance of an IES profile over the tangents of directions. Domain: `name`
-/// as in [`light_texture_files`]. Runs on the current rayon pool; the result does not depend on its size.
+/// Prefilters a picture file, or the radiance of an IES profile over the tangents of angles. Domain: `name` as in
+/// [`light_texture_files`]. Runs on the current rayon pool. The result does not depend on the size of the pool.
 ///
 /// # Errors
-/// The bytes are not a picture of a light, there are too many pixels or texels, or the format cannot store them.
+/// The bytes are not a picture of a light, there are too many pixels or texels, or the container cannot store the
+/// texels.
 pub fn light_texture(
     bytes: &[u8],
     name: &str,
@@ -131,7 +132,7 @@ pub fn light_texture(
     Ok(LightTexture { format, transfer, picture, size, levels, texels, error, clamped, files })
 }
 
-/// The comment in the files: the source, the layout of the texels, and the blur.
+/// The comment in the files: the source, the meaning of the texels, and the blur.
 fn about([of, texels]: [String; 2]) -> About {
     About::new([
         concat!("ltcforge ", env!("CARGO_PKG_VERSION")).to_owned(),

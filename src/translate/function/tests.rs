@@ -1,9 +1,9 @@
 use super::*;
 use ltcforge_fit::testing::planted_isotropic;
 
-/// naga validates each translation before it is written.
+/// naga validates each translation before it is returned.
 #[test]
-fn every_language_has_the_functions_and_binds_nothing() {
+fn every_language_has_the_functions_and_no_bindings() {
     let function = IsotropicFunction::of(&planted_isotropic(Layout::Reflected)).expect("a function");
     for language in Language::ALL.iter().copied().filter(|language| language.has_includes()) {
         let text = include_function(

@@ -1,4 +1,4 @@
-//! Several texts in one shader.
+//! Includes several texts in one shader.
 
 use std::collections::BTreeSet;
 
@@ -14,8 +14,8 @@ fn namespace(prefix: &str, first_binding: u16) -> Namespace {
     Namespace { prefix: Some(prefix.parse().expect("a prefix")), first_binding, group: 0 }
 }
 
-/// Six lights for one shader, each with its prefix: two tables with different layouts, the two models without a table,
-/// a table of Gaussians, and the light without textures.
+/// Six lights for one shader, each with its own prefix: two tables with different layouts, the two models without a
+/// table, a table of Gaussians, and the light without textures.
 fn lights(language: Language, reading: Reading) -> [(String, &'static str); 6] {
     let text = |lit_by: LitBy, namespace: &Namespace| {
         include(language, lit_by, reading, Lights::All, namespace).expect("a translation")
@@ -109,7 +109,7 @@ fn shown() -> @location(0) vec4<f32> {
 }
 
 #[test]
-fn a_second_table_s_comment_names_its_own_functions_and_bindings() {
+fn the_comment_of_a_second_table_names_its_own_functions_and_bindings() {
     for (language, line) in [
         (Language::Wgsl, "group 0: uniform 5, matrix_a 6, matrix_b 7, terms 8, sampler 9"),
         (Language::Glsl, "block 5, textures iso2_matrix_a 6, iso2_matrix_b 7, iso2_terms 8:"),
@@ -121,7 +121,7 @@ fn a_second_table_s_comment_names_its_own_functions_and_bindings() {
             .expect("a translation");
         let name = language.name();
         assert!(text.contains(line) && text.contains("//   iso2_lookup(alpha_x, alpha_y, wo)"), "{name}:\n{text}");
-        // File names are not renamed.
+        // Names of files do not change.
         assert!(
             !text.replace("ltc_lookup.wgsl", "").replace("ltc_lookup_round.wgsl", "").contains("ltc_lookup"),
             "{name}"
@@ -156,9 +156,9 @@ fn a_second_table_s_comment_names_its_own_functions_and_bindings() {
     }
 }
 
-/// The text contains the nodes that are not evenly spaced, and no others, in every language.
+/// In every language, the text contains the unevenly spaced nodes, and no other nodes.
 #[test]
-fn nodes_given_one_by_one_stand_in_the_text() {
+fn the_text_contains_explicit_nodes() {
     let mut table = ltcforge_shaders::golden_table(Layout::Reflected);
     assert_eq!(GivenAxes::of(&table), None);
     table.axes.alpha = vec![0.04, 0.09, 0.25];
@@ -173,7 +173,7 @@ fn nodes_given_one_by_one_stand_in_the_text() {
             let text = made(reading).unwrap_or_else(|error| panic!("{error}"));
             assert!(text.contains("BRUSHED_NODES_OF_ALPHA") && text.contains("0.04"), "{text}");
             assert!(!text.contains("NODES_OF_RATIO") && text.contains("table sha256:12"), "{text}");
-            assert!(!text.contains("CHECK"), "no cases of another table");
+            assert!(!text.contains("CHECK"), "the check of another table is in the text");
         }
     }
     assert!(

@@ -2,14 +2,14 @@
 
 use crate::wgsl::{Scalar, Type};
 
-/// Functions whose result has the shape of their first argument, separated by blanks.
+/// Functions whose result has the type of their first argument, separated by blanks.
 const SHAPED: &str = "abs acos asin atan atan2 ceil clamp cos cross exp exp2 floor fma fract inverseSqrt log log2 max min mix \
     normalize pow reflect round saturate select sign sin smoothstep sqrt step tan transpose trunc";
 /// Functions that return a scalar.
 const FLAT: &str = "determinant distance dot length";
 const OTHERS: &str = "all any textureLoad textureSampleLevel";
 
-/// Whether a variable of this name would hide a function.
+/// Whether a variable with this name would hide a function.
 pub(super) fn is_builtin(name: &str) -> bool {
     [SHAPED, FLAT, OTHERS].iter().any(|names| has_word(names, name))
 }
@@ -19,7 +19,7 @@ pub(super) fn has_word(words: &str, word: &str) -> bool {
     words.split(' ').any(|known| known == word)
 }
 
-/// The result type of a function for arguments of these types.
+/// The result type of a function for these argument types.
 pub(super) fn result(name: &str, arguments: &[&Type]) -> Option<Type> {
     let joined = || arguments.iter().filter_map(|ty| ty.scalar()).reduce(Scalar::join);
     match name {

@@ -1,4 +1,4 @@
-//! The names that are visible at a place in the text, their types, and the text itself.
+//! The source, and the names that are visible at a position in it, with their types.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -46,7 +46,7 @@ impl<'a> Context<'a> {
                     let slotted = Slotted { bound: global.clone(), slot: slot(module, global) };
                     bound.insert(item.name.as_str(), slotted);
                 }
-                // The type of a constant is known after it is printed.
+                // The type of a constant is only known after it is printed.
                 ItemKind::Constant { .. } | ItemKind::Override => {}
             }
         }
@@ -58,7 +58,7 @@ impl<'a> Context<'a> {
         &self.module.source[span]
     }
 
-    /// The source of `span` with some pieces replaced. Pieces are in the order of the source.
+    /// The source of `span`, with some pieces replaced. The pieces are in the order of the source.
     pub(super) fn woven(&self, span: &Span, pieces: &[(Span, String)]) -> String {
         let (mut out, mut at) = (String::new(), span.start);
         for (place, text) in pieces {
@@ -69,25 +69,26 @@ impl<'a> Context<'a> {
         out + self.source(at..span.end.max(at))
     }
 
-    /// Checks source that is not copied to the output: a comment in it would be lost.
+    /// Rejects comments in source that is not copied to the output, because they would be lost.
     pub(super) fn without_comment(&self, span: Span) -> Result<(), Fault> {
         match self.source(span.clone()).find("//").or_else(|| self.source(span.clone()).find("/*")) {
-            Some(at) => Err(Fault::new(span.start + at, "a comment here has no place in other languages")),
+            Some(at) => Err(Fault::new(span.start + at, "a comment here would be lost in the output")),
             None => Ok(()),
         }
     }
 
-    /// Whether the span uses the name for itself, not for a member.
+    /// Whether the span uses the name itself, not a member with this name.
     pub(super) fn mentions(&self, span: &Span, name: &str) -> bool {
         self.before(span, name).any(|sign| sign != Some("."))
     }
 
-    /// Whether the span uses a pointer other than as `*name`: it is passed to a function, which may write to it.
+    /// Whether the span uses a pointer other than as `*name`. The pointer is then passed to a function that may write
+    /// to it.
     pub(super) fn passes_on(&self, span: &Span, name: &str) -> bool {
         self.before(span, name).any(|sign| !matches!(sign, Some("." | "*")))
     }
 
-    /// The tokens before each place where the word is in the span.
+    /// The token before each occurrence of the word in the span.
     fn before<'b>(&'b self, span: &'b Span, word: &'b str) -> impl Iterator<Item = Option<&'a str>> + 'b {
         let tokens = &self.module.tokens;
         let first = tokens.partition_point(|token| token.span.start < span.start);
@@ -97,7 +98,7 @@ impl<'a> Context<'a> {
         places.map(|(at, _)| at.checked_sub(1).map(|before| self.source(tokens[before].span.clone())))
     }
 
-    /// The members of a structure, with their names in the language.
+    /// The members of a structure, with their names in the target language.
     pub(super) fn members(&self, name: &str) -> Option<Members> {
         let members = self.structs.get(name)?;
         Some(members.iter().map(|(name, ty)| (self.member(name), ty.clone())).collect())
@@ -117,7 +118,7 @@ impl<'a> Context<'a> {
         self.dialect.zero(ty, &|name| self.members(name).unwrap_or_default())
     }
 
-    /// A similar name that is not in the text.
+    /// A similar name that the source does not use.
     fn fresh(&self, name: &str) -> String {
         let plain = format!("{}_", name.trim_end_matches('_'));
         let numbered = (2..).map(|number| format!("{plain}{number}"));
@@ -132,8 +133,8 @@ impl<'a> Context<'a> {
         self.scopes.pop();
     }
 
-    /// Declares a variable. It gets another name if the language reserves the name, or if its value `beside` uses the
-    /// name.
+    /// Declares a variable. It gets another name if the target language reserves the name, or if its own value
+    /// (`beside`) uses a variable with this name.
     pub(super) fn declare(&mut self, name: &str, ty: Type, beside: Option<&Span>) -> String {
         let is_taken = has_word(self.dialect.reserved(), name)
             || has_word(self.dialect.functions(), name)
@@ -151,7 +152,7 @@ impl<'a> Context<'a> {
     }
 }
 
-/// The number of resources of the same kind before this resource: buffers, textures or samplers.
+/// The number of resources of the same kind (buffer, texture or sampler) before this resource.
 fn slot(module: &Module<'_>, of: &Resource) -> usize {
     let kind = |bound: &Resource| match bound.ty {
         Type::Texture(_) => 0,
@@ -165,7 +166,7 @@ fn slot(module: &Module<'_>, of: &Resource) -> usize {
     all.filter(|other| kind(other) == kind(of) && (other.group, other.binding) < (of.group, of.binding)).count()
 }
 
-/// The variable on an assignment's left side.
+/// The variable on the left side of an assignment.
 pub(super) fn root(target: &Expr) -> Option<&str> {
     match &target.kind {
         ExprKind::Name(name) => Some(name),

@@ -1,11 +1,11 @@
-//! Differences between a language and WGSL.
+//! The differences between a target language and WGSL.
 
 use crate::wgsl::{Resource, Scalar, Type};
 
-/// The precedence of an expression, tightest first.
+/// The precedence of an expression, from tightest to loosest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Precedence {
-    /// A name, a call, brackets.
+    /// A name, a call, or an expression in brackets.
     Tight,
     /// Operators and casts.
     Operator,
@@ -13,7 +13,7 @@ pub(super) enum Precedence {
     Choice,
 }
 
-/// A printed expression.
+/// An expression in the target language.
 #[derive(Debug, Clone)]
 pub(super) struct Piece {
     pub(super) text: String,
@@ -44,12 +44,12 @@ pub(super) struct Builtin<'a> {
 }
 
 impl Builtin<'_> {
-    /// The text of an argument; empty if it is missing.
+    /// The text of an argument. Empty if it is missing.
     pub(super) fn text(&self, number: usize) -> &str {
         self.arguments.get(number).map_or("", |piece| &piece.text)
     }
 
-    /// The number of coordinates of a texel in the texture that is the first argument.
+    /// The number of coordinates of a texel. The first argument is the texture.
     pub(super) fn coordinates(&self) -> usize {
         match self.arguments.first().map(|piece| &piece.ty) {
             Some(Type::Texture(texture)) => texture.coordinates(),
@@ -57,14 +57,14 @@ impl Builtin<'_> {
         }
     }
 
-    /// The arguments from number `from` on as one vector of type `vector`.
+    /// The arguments from number `from` on, as one vector of type `vector`.
     pub(super) fn joined(&self, vector: &str, from: usize) -> String {
         let parts: Vec<&str> = (from..self.arguments.len()).map(|number| self.text(number)).collect();
         format!("{vector}({})", parts.join(", "))
     }
 }
 
-/// A resource, and its number among resources of its kind.
+/// A resource, with its number among the resources of the same kind.
 #[derive(Debug, Clone)]
 pub(super) struct Slotted {
     pub(super) bound: Resource,
@@ -78,7 +78,7 @@ pub(super) trait Dialect {
     /// Reserved words, separated by blanks.
     fn reserved(&self) -> &'static str;
 
-    /// Functions of the language with other names in WGSL, separated by blanks. Variables must not hide them.
+    /// Functions of the language that WGSL calls differently, separated by blanks. Variables must not hide them.
     fn functions(&self) -> &'static str;
 
     /// The lines before all declarations.
@@ -89,18 +89,18 @@ pub(super) trait Dialect {
     /// The name of a type that is not an array.
     fn ty(&self, ty: &Type) -> String;
 
-    /// The word before a global constant.
+    /// The keyword before a global constant.
     fn constant(&self) -> &'static str;
 
-    /// The declaration of a resource, or its parameter; `None` if the language has neither.
+    /// The declaration of a resource, or its parameter. `None` if the language has neither.
     fn global(&self, name: &str, bound: &Slotted) -> Option<String>;
 
-    /// A resource as used in an expression.
+    /// How an expression refers to a resource.
     fn bound(&self, name: &str, _bound: &Slotted) -> String {
         name.to_owned()
     }
 
-    /// The entry point of a program with its body: one thread that reads the resources `bound`.
+    /// The entry point of a program with its body. It runs as one thread and reads the resources `bound`.
     fn entry(&self, name: &str, body: &str, bound: &[(String, Slotted)]) -> String;
 
     /// Whether functions take resources as parameters.
@@ -108,7 +108,7 @@ pub(super) trait Dialect {
         false
     }
 
-    /// A parameter of a function; `is_written` if the function writes to it.
+    /// A parameter of a function. `is_written` is true if the function writes to it.
     fn parameter(&self, name: &str, ty: &Type, is_written: bool) -> String {
         let plain = self.declared(name, ty);
         if is_written { format!("inout {plain}") } else { plain }
@@ -119,7 +119,7 @@ pub(super) trait Dialect {
         None
     }
 
-    /// A declaration: type and name.
+    /// A declaration without a value: type and name.
     fn declared(&self, name: &str, ty: &Type) -> String {
         match ty {
             Type::Array(of, count) => format!("{} {name}[{count}]", self.ty(of)),
@@ -128,10 +128,10 @@ pub(super) trait Dialect {
         }
     }
 
-    /// A value of zeros. `members` returns the members of a structure.
+    /// A value with all zeros. `members` returns the members of a structure.
     fn zero(&self, ty: &Type, members: &dyn Fn(&str) -> Members) -> String;
 
-    /// A structure from arguments in brackets.
+    /// A structure constructed from arguments in brackets.
     fn structure(&self, name: &str, arguments: &str) -> String {
         format!("{name}{arguments}")
     }
@@ -141,15 +141,15 @@ pub(super) trait Dialect {
         None
     }
 
-    /// An array from arguments in brackets, as the value of a variable.
+    /// An array constructed from arguments in brackets, as the value of a variable.
     fn array(&self, of: &Type, count: u32, arguments: &str) -> String;
 
-    /// A vector or matrix, if the language does not write it as type and arguments.
+    /// A vector or matrix, if the language does not write it as a type with arguments.
     fn vector(&self, _ty: &Type, _arguments: &[Piece]) -> Option<Piece> {
         None
     }
 
-    /// A call of a built-in function, if the language does not write it as name and arguments.
+    /// A call of a built-in function, if the language does not write it as a name with arguments.
     fn builtin(&self, _call: &Builtin<'_>) -> Option<Piece> {
         None
     }
@@ -159,18 +159,18 @@ pub(super) trait Dialect {
         name
     }
 
-    /// The comparison of vectors, if it is not an operator.
+    /// The comparison of vectors, if the language does not write it as an operator.
     fn compared(&self, _sign: &str, _left: &Piece, _right: &Piece) -> Option<String> {
         None
     }
 
-    /// The product of a matrix and a matrix or vector, if it is not an operator.
+    /// The product of a matrix and a matrix or vector, if the language does not write this product as an operator.
     fn product(&self, _left: &Piece, _right: &Piece) -> Option<String> {
         None
     }
 }
 
-/// A scalar zero, which all languages write alike.
+/// A scalar zero. All languages write it in the same way.
 pub(super) fn zero_scalar(scalar: Scalar) -> &'static str {
     match scalar {
         Scalar::Bool => "false",
@@ -180,7 +180,7 @@ pub(super) fn zero_scalar(scalar: Scalar) -> &'static str {
     }
 }
 
-/// The names of scalar types in languages similar to C.
+/// The names of scalar types in C-like languages.
 pub(super) fn scalar_name(scalar: Scalar) -> &'static str {
     match scalar {
         Scalar::Bool => "bool",
@@ -201,7 +201,7 @@ pub(super) fn sized_name(ty: &Type) -> Option<String> {
     }
 }
 
-/// The arguments of a call without brackets.
+/// The arguments of a call without the brackets.
 pub(super) fn inside(arguments: &str) -> &str {
     arguments.strip_prefix('(').and_then(|rest| rest.strip_suffix(')')).unwrap_or(arguments)
 }

@@ -7,7 +7,8 @@ use super::{
 };
 use crate::wgsl::{Call, Callee, Expr, ExprKind, Fault, Scalar, Span, Type, matrix, vector};
 
-/// Prints an expression of the source. Parts that are alike in both languages are copied, with blanks and comments.
+/// Prints an expression of the source. Parts that both languages write in the same way are copied, with blanks and
+/// comments.
 pub(super) fn expression(context: &Context<'_>, of: &Expr) -> Result<Piece, Fault> {
     let unknown = |reason: String| Fault::new(of.span.start, reason);
     match &of.kind {
@@ -23,7 +24,7 @@ pub(super) fn expression(context: &Context<'_>, of: &Expr) -> Result<Piece, Faul
         },
         ExprKind::Paren(inner) => {
             let piece = expression(context, inner)?;
-            // A pointer's variable loses its sign and so needs no brackets.
+            // A dereferenced variable loses its asterisk, so it needs no brackets.
             if matches!(inner.kind, ExprKind::Unary('*', _)) {
                 return Ok(piece);
             }
@@ -64,7 +65,7 @@ pub(super) fn expression(context: &Context<'_>, of: &Expr) -> Result<Piece, Faul
     }
 }
 
-/// A number without suffixes that other languages lack.
+/// A number without suffixes that other languages do not have.
 fn number(text: &str) -> Piece {
     let is_hex = text.starts_with("0x");
     let scalar = match text.chars().last() {
@@ -91,11 +92,11 @@ fn swizzled(name: &str, scalar: Scalar) -> Option<Type> {
 fn unary(context: &Context<'_>, of: &Expr, sign: char, inner: &Expr) -> Result<Piece, Fault> {
     let piece = expression(context, inner)?;
     match (sign, &piece.ty) {
-        // A reference replaces a pointer.
+        // A reference replaces the pointer.
         ('&', _) => Ok(Piece { ty: Type::Pointer(Box::new(piece.ty)), ..piece }),
         ('*', Type::Pointer(to)) => Ok(Piece { ty: (**to).clone(), ..piece }),
         ('*', _) => Err(Fault::new(of.span.start, "this is not a pointer")),
-        ('!', Type::Vector(..)) => Err(Fault::new(of.span.start, "! of a vector is not supported")),
+        ('!', Type::Vector(..)) => Err(Fault::new(of.span.start, "the operator ! is not supported for vectors")),
         _ => {
             let text = context.woven(&of.span, &[(inner.span.clone(), piece.within(Precedence::Operator))]);
             Ok(Piece { text, ty: piece.ty, precedence: Precedence::Operator })
@@ -133,7 +134,7 @@ fn binary(context: &Context<'_>, of: &Expr, sign: &str, left: &Expr, right: &Exp
     Ok(Piece { text, ty, precedence: Precedence::Operator })
 }
 
-/// An operand that becomes an argument, without brackets around it.
+/// An operand that becomes an argument. Brackets around it are removed.
 fn bare(context: &Context<'_>, side: &Expr, piece: &Piece) -> Result<Piece, Fault> {
     match &side.kind {
         ExprKind::Paren(inner) if context.without_comment(side.span.clone()).is_ok() => expression(context, inner),
@@ -141,7 +142,7 @@ fn bare(context: &Context<'_>, side: &Expr, piece: &Piece) -> Result<Piece, Faul
     }
 }
 
-/// Whether a product involves a matrix and is not by a scalar.
+/// Whether a product has a matrix and no scalar as operands.
 fn is_product(left: &Type, right: &Type) -> bool {
     let is_matrix = |ty: &Type| matches!(ty, Type::Matrix { .. });
     let is_scalar = |ty: &Type| matches!(ty, Type::Scalar(_));
@@ -209,7 +210,7 @@ fn called(context: &Context<'_>, of: &Expr, call: &Call) -> Result<Piece, Fault>
     builtin(context, of, call, name, &arguments, &result)
 }
 
-/// The arguments of a call in brackets, followed by the arguments `more`.
+/// The arguments of a call in brackets, with the arguments `more` at the end.
 fn in_brackets(context: &Context<'_>, call: &Call, arguments: &[Piece], more: &[String]) -> String {
     let mut pieces: Vec<(Span, String)> = call
         .arguments
@@ -246,7 +247,7 @@ fn builtin(
     Ok(Piece::tight(format!("{named}{}", in_brackets(context, call, arguments, &[])), result.clone()))
 }
 
-/// The type of `vec3(...)` or `mat3x3(...)`, whose scalar type follows from the arguments.
+/// The type of `vec3(...)` or `mat3x3(...)`. Its scalar type follows from the arguments.
 fn inferred(name: &str, types: &[&Type]) -> Option<Type> {
     let scalar = types.iter().filter_map(|ty| ty.scalar()).reduce(Scalar::join).unwrap_or(Scalar::AbstractFloat);
     let of_vector = vector(name).map(|size| Type::Vector(size, scalar));

@@ -1,24 +1,24 @@
-//! GLSL: 4.50, 3.30 and ES 3.00 to include, 4.50 and ES 3.10 as programs.
+//! GLSL: 4.50, 3.30 and ES 3.00 for text to include, 4.50 and ES 3.10 for programs.
 
 use super::dialect::{Builtin, Dialect, Members, Piece, Precedence, Slotted, scalar_name, zero_scalar};
 use crate::wgsl::{Scalar, Texture, Type};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Glsl {
-    /// Blocks and textures have bindings.
+    /// Blocks and textures have binding numbers.
     Desktop450,
-    /// Uniforms are not in blocks.
+    /// Uniforms are outside blocks.
     Desktop330,
-    /// Uniforms are not in blocks; precisions are declared.
+    /// Uniforms are outside blocks, and precisions are declared.
     Es300,
-    /// Bindings are those of OpenGL, which counts buffers and textures separately.
+    /// Bindings are numbered as in OpenGL, which counts buffers and textures separately.
     Program450,
-    /// Bindings are those of OpenGL; precisions are declared.
+    /// Bindings are numbered as in OpenGL, and precisions are declared.
     Program310,
 }
 
 impl Dialect for Glsl {
-    // glslang takes a member named `length` for the method of arrays.
+    // glslang mistakes a member named `length` for the method of arrays.
     fn reserved(&self) -> &'static str {
         "active asm atomic_uint attribute bool break buffer bvec2 bvec3 bvec4 case cast centroid class coherent \
          common const continue default discard do double else enum extern external false filter fixed flat float for \

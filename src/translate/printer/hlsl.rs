@@ -1,7 +1,7 @@
 //! HLSL for shader model 5.1.
 //!
-//! The columns of a matrix are stored as HLSL's rows. So `M[i]` is column i in every language, and `M v` is
-//! `mul(v, M)`.
+//! Columns of a matrix are stored as HLSL rows. Therefore `M[i]` is column i in every language, and `M v` is `mul(v,
+//! M)`.
 
 use super::dialect::{Builtin, Dialect, Members, Piece, Precedence, Slotted, inside, sized_name, zero_scalar};
 use crate::wgsl::{Resource, Scalar, Texture, Type};
@@ -87,7 +87,7 @@ impl Dialect for Hlsl {
     }
 
     fn vector(&self, ty: &Type, arguments: &[Piece]) -> Option<Piece> {
-        // A constructor takes as many scalars as there are components; a cast repeats one.
+        // A constructor takes one scalar per component. A cast repeats one scalar.
         match arguments {
             [one] if matches!(ty, Type::Vector(..)) && matches!(one.ty, Type::Scalar(_)) => Some(Piece {
                 text: format!("({}){}", self.ty(ty), one.within(Precedence::Tight)),

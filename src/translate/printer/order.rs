@@ -1,12 +1,12 @@
-//! The order of printed declarations, and the comments above each.
+//! The order of the printed declarations, and their comments.
 
 use std::collections::{BTreeSet, HashMap};
 
 use crate::wgsl::{Fault, ItemKind, Kind, Module, Token, Type};
 
-/// Declarations by their number in the module.
+/// Declarations, identified by their number in the module.
 pub(super) struct Order {
-    /// The printed declarations, each after its dependencies.
+    /// The printed declarations. Each follows its dependencies.
     numbers: Vec<usize>,
     /// The dependencies of each declaration of the module.
     needs: Vec<BTreeSet<usize>>,
@@ -15,7 +15,7 @@ pub(super) struct Order {
 /// The comments above a declaration.
 #[derive(Debug, Default)]
 pub(super) struct Lead {
-    /// Whether a blank line comes before it.
+    /// Whether a blank line comes before the declaration.
     pub(super) is_apart: bool,
     /// Comments that belong to no declaration, each followed by a blank line.
     pub(super) free: String,
@@ -24,7 +24,7 @@ pub(super) struct Lead {
 }
 
 impl Order {
-    /// The declarations that `entry` uses, and `entry` itself, which is last.
+    /// Finds the declarations that `entry` uses, and `entry` itself, which comes last.
     pub(super) fn from(module: &Module<'_>, entry: &str) -> Result<Self, Fault> {
         let numbers: HashMap<&str, usize> =
             module.items.iter().enumerate().map(|(number, item)| (item.name.as_str(), number)).collect();
@@ -34,7 +34,7 @@ impl Order {
             if let ItemKind::Struct { members, .. } = &item.kind
                 && members.iter().any(|member| holds(&member.ty, &item.name))
             {
-                return Err(Fault::new(item.span.start, "this depends on itself"));
+                return Err(Fault::new(item.span.start, "this declaration depends on itself"));
             }
         }
         let entry = *numbers.get(entry).ok_or_else(|| Fault::new(0, format!("the function «{entry}» is missing")))?;
@@ -48,15 +48,15 @@ impl Order {
         let (mut printed, mut left) = (Vec::new(), reached);
         while let Some(first) = left.first() {
             let next = first_needed(*first, &left, &needs)
-                .ok_or_else(|| Fault::new(module.items[*first].span.start, "this depends on itself"))?;
+                .ok_or_else(|| Fault::new(module.items[*first].span.start, "this declaration depends on itself"))?;
             left.remove(&next);
             printed.push(next);
         }
         Ok(Self { numbers: printed, needs })
     }
 
-    /// The declarations and the comments above each. A comment that belongs to no declaration goes with the next
-    /// printed declaration. Comments of declarations that are not printed are left out.
+    /// The declarations and the comments above each. A free comment, which belongs to no declaration, is printed above
+    /// the next printed declaration. Comments of declarations that are not printed are omitted.
     pub(super) fn printed(&self, module: &Module<'_>) -> Vec<(usize, Lead)> {
         let mut leads = HashMap::new();
         let (mut waiting, mut end) = (String::new(), 0);
@@ -72,7 +72,7 @@ impl Order {
         self.numbers.iter().map(|number| (*number, leads.remove(number).unwrap_or_default())).collect()
     }
 
-    /// The resources that each printed function reads, directly or through calls, in the order of the source.
+    /// The resources that each printed function reads, directly or through calls. They have the order of the source.
     pub(super) fn read<'a>(&self, module: &'a Module<'_>) -> HashMap<&'a str, Vec<String>> {
         let mut found: HashMap<usize, BTreeSet<usize>> = HashMap::new();
         // Each declaration comes after its dependencies.
@@ -90,7 +90,7 @@ impl Order {
         found.into_iter().map(|(number, read)| (module.items[number].name.as_str(), names(read))).collect()
     }
 
-    /// The names that are called with arguments, including structures that are constructed from members.
+    /// The names that are called with arguments. They include structures that are constructed from members.
     pub(super) fn made<'a>(&self, module: &'a Module<'_>) -> BTreeSet<&'a str> {
         let text = |token: &Token| &module.source[token.span.clone()];
         let tokens = self.numbers.iter().flat_map(|number| tokens_of(module, *number).windows(3));
@@ -99,7 +99,8 @@ impl Order {
     }
 }
 
-/// `first` or one of its dependencies that depends on nothing in `left`; `None` for a circle.
+/// A declaration that depends on nothing in `left`: `first` or one of its dependencies. `None` if the dependencies form
+/// a cycle.
 fn first_needed(first: usize, left: &BTreeSet<usize>, needs: &[BTreeSet<usize>]) -> Option<usize> {
     let mut at = first;
     for _ in 0..=left.len() {
@@ -127,7 +128,7 @@ fn tokens_of<'a>(module: &'a Module<'_>, number: usize) -> &'a [Token] {
     &module.tokens[start..end.max(start)]
 }
 
-/// The dependencies of a declaration: the declarations whose names it uses, except as members of structures.
+/// The dependencies of a declaration: the declarations whose names it uses, except as names of members.
 fn needs_of(module: &Module<'_>, numbers: &HashMap<&str, usize>, number: usize) -> BTreeSet<usize> {
     let text = |token: &Token| &module.source[token.span.clone()];
     let tokens = tokens_of(module, number);
@@ -136,8 +137,7 @@ fn needs_of(module: &Module<'_>, numbers: &HashMap<&str, usize>, number: usize) 
     words.filter_map(|(_, token)| numbers.get(text(token))).copied().filter(|need| *need != number).collect()
 }
 
-/// The comments above a declaration: comments that belong to no declaration, each followed by a blank line, and its
-/// own.
+/// The comments above a declaration: free comments, each followed by a blank line, and the declaration's own comment.
 fn comments(above: &str) -> (String, String) {
     let (mut free, mut own) = (String::new(), String::new());
     for line in above.lines().map(str::trim_end) {

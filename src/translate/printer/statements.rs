@@ -39,7 +39,7 @@ fn passed(context: &Context<'_>, global: &str) -> Option<String> {
     context.bound.get(global).and_then(|slotted| context.dialect.global(global, slotted))
 }
 
-/// Whether a block assigns to a variable or to a part of it.
+/// Whether a block assigns to a variable or to a part of the variable.
 fn writes(block: &Block, name: &str) -> bool {
     block.statements.iter().any(|statement| statement_writes(statement, name))
 }
@@ -55,7 +55,7 @@ fn statement_writes(statement: &Statement, name: &str) -> bool {
     }
 }
 
-/// Prints a block within the body `whole` of a function.
+/// Prints a block of a function. `whole` is the body of the function.
 fn block(context: &mut Context<'_>, of: &Block, whole: &Block) -> Result<String, Fault> {
     context.enter();
     let pieces = statements(context, of, whole);
@@ -78,7 +78,7 @@ fn statements(context: &mut Context<'_>, of: &Block, whole: &Block) -> Result<Ve
     Ok(pieces)
 }
 
-/// Joins `var x: T;` and `x = value;` into one declaration.
+/// Joins `var x: T;` and `x = value;` into a single declaration.
 fn joined(context: &mut Context<'_>, first: &Statement, next: &Statement) -> Result<Option<(Span, String)>, Fault> {
     let StatementKind::Declare { name, ty: Some(ty), value: None } = &first.kind else { return Ok(None) };
     let StatementKind::Assign { target, value } = &next.kind else { return Ok(None) };
@@ -175,7 +175,7 @@ fn declare(
     let named = context.declare(name, ty.clone(), span.as_ref());
     let declared = match context.dialect.alias(&named, &ty).filter(|_| is_copy) {
         Some(_) if writes(whole, name) => {
-            return Err(Fault::new(of.span.start, format!("«{name}» is a copy of an array and must not change")));
+            return Err(Fault::new(of.span.start, format!("«{name}» is a copy of an array and cannot be assigned to")));
         }
         Some(alias) => alias,
         None => context.dialect.declared(&named, &ty),

@@ -1,12 +1,12 @@
-//! Additions to texts.
+//! Optional functions in shader texts.
 
 use std::collections::BTreeSet;
 
 use super::*;
 
-/// An added function is in the text and explained, and the other code does not change.
+/// An added function is in the text and described in its comment. The other code does not change.
 #[test]
-fn a_text_that_cuts_lights_at_the_surface_has_all_the_others_too() {
+fn a_text_that_cuts_lights_keeps_all_other_functions() {
     let cut = Additions { cut: true, compensate: false, textured: None };
     let function = IsotropicFunction::of(&planted_isotropic(Layout::Reflected)).expect("a function");
     for (language, lights) in Language::ALL
@@ -36,7 +36,7 @@ fn a_text_that_cuts_lights_at_the_surface_has_all_the_others_too() {
                 with.lines().skip_while(|line| *line != "// LIGHT FROM BELOW").take_while(|line| *line != "//");
             let lengths: Vec<usize> = explained.map(str::len).collect();
             assert!(lengths.len() == 4 && lengths.iter().all(|length| *length <= 124), "{name}: {lengths:?}");
-            // The order of declarations may differ.
+            // The order of the declarations can differ.
             let lines: BTreeSet<&str> = with.lines().collect();
             let missing = code(without).lines().filter(|line| !lines.contains(line)).count();
             assert_eq!(missing, 0, "{name}");
@@ -47,9 +47,9 @@ fn a_text_that_cuts_lights_at_the_surface_has_all_the_others_too() {
     assert!(refused.to_string().contains("model normals"), "{refused}");
 }
 
-/// The factor for metals is in the text and explained, for every model.
+/// For every model, the factor for metals is in the text and described in its comment.
 #[test]
-fn a_text_that_compensates_has_a_factor_more() {
+fn a_text_that_compensates_has_the_factor() {
     let models = [
         (LightModel::Ltc, Some(Layout::Ltc2017), "ltc_compensation"),
         (LightModel::Normals, None, "normals_compensation"),
@@ -72,8 +72,8 @@ fn a_text_that_compensates_has_a_factor_more() {
     }
 }
 
-/// Pictures on lights are read in every language, with their own names and bindings after those of a table. The other
-/// code does not change.
+/// In every language, the text reads pictures on lights, with its own names and with bindings that follow those of a
+/// table. The other code does not change.
 #[test]
 fn a_text_with_pictures_binds_and_reads_them() {
     let readings = [
@@ -102,7 +102,7 @@ fn a_text_with_pictures_binds_and_reads_them() {
             assert!(lengths.len() == 12 && lengths.iter().all(|length| *length <= 130), "{name}: {lengths:?}");
             let lines: BTreeSet<&str> = with.lines().collect();
             let missing = code(&without).lines().filter(|line| !lines.contains(line)).count();
-            // Functions of MSL take resources as arguments.
+            // Functions in MSL take resources as arguments.
             assert!(missing == 0 || language == Language::Msl, "{name}: {missing}");
             let bound = match language {
                 Language::Wgsl => [

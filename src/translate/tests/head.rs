@@ -12,7 +12,7 @@ fn digest(text: &str) -> String {
     format!("{:016x}", u64::from_be_bytes(*first))
 }
 
-/// Every text, by name.
+/// Every shader text, with its name.
 fn texts() -> Vec<(String, String)> {
     let all = includes().map(|(language, lit_by, text)| (format!("{} {lit_by:?}", language.name()), text));
     let mut texts: Vec<(String, String)> = all.collect();
@@ -33,7 +33,7 @@ fn texts() -> Vec<(String, String)> {
 }
 
 #[test]
-fn every_text_states_licence_revision_and_the_digest_of_what_stands_below() {
+fn every_text_states_licence_revision_and_the_digest_of_its_code() {
     let texts = texts();
     assert!(texts.len() > 100);
     for (name, text) in texts {
@@ -65,7 +65,7 @@ fn spirv_holds_the_digest_of_its_source() {
     assert!(comment.contains(&digest(below)), "{comment}");
 }
 
-/// The digests of the check of each model. They show whether a revision must be raised.
+/// Digests of each model's check. If a digest changes, the revision must be raised.
 const VALUES: [(&str, u32, &str); 6] = [
     ("ltc", 1, "18aa316e979f73bf"),
     ("normals fast", 1, "b8ca18c710360dd3"),
@@ -76,7 +76,7 @@ const VALUES: [(&str, u32, &str); 6] = [
 ];
 
 #[test]
-fn a_model_whose_values_change_has_another_revision() {
+fn the_values_of_a_revision_do_not_change() {
     let normals = |rule| lit_by(LightModel::Normals, None).by_rule(Some(rule)).expect("a rule");
     let [fast, balanced, fine] = [NormalsRule::Fast, NormalsRule::Balanced, NormalsRule::Fine].map(normals);
     let table = lit_by(LightModel::Asg, Some(Layout::Reflected));
@@ -85,6 +85,6 @@ fn a_model_whose_values_change_has_another_revision() {
         let comment = lit_by.comment(Language::Wgsl);
         let found = digest(&comment[comment.find("CHECK").expect("a check")..]);
         assert!(comment.contains(&format!("revision {revision},")), "{name}");
-        assert_eq!(found, values, "{name}: raise its revision, and tell it here");
+        assert_eq!(found, values, "{name}: raise its revision, and update VALUES");
     }
 }

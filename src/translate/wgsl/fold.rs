@@ -6,8 +6,8 @@ use super::{
     syntax::{Block, Expr, ExprKind, ItemKind, Statement, StatementKind},
 };
 
-/// The text without the pipeline constant `name`. Each `if` whose condition is only this constant is replaced by the
-/// branch that it takes.
+/// The source without the pipeline constant `name`. Each `if` with only this constant as its condition is replaced by
+/// the branch that it takes.
 pub(crate) fn folded(source: &str, name: &str, value: bool) -> Result<String, Fault> {
     let module = parse(source)?;
     let mut edits = Vec::new();
@@ -25,7 +25,7 @@ pub(crate) fn folded(source: &str, name: &str, value: bool) -> Result<String, Fa
     Ok(out)
 }
 
-/// An item with the comment above it and the blank line below.
+/// The span of an item, with the comment above it and the blank line below it.
 fn documented(source: &str, span: &Span) -> Span {
     let mut start = source[..span.start].rfind('\n').map_or(0, |end| end + 1);
     while let Some(above) = source[..start].strip_suffix('\n') {
@@ -75,7 +75,7 @@ fn asks(condition: &Expr, name: &str) -> bool {
     }
 }
 
-/// The statements of a block without its braces, indented like the block. An `else if` stays as it is.
+/// The statements of a block without its braces, indented like the block. An `else if` is returned unchanged.
 fn inside(block: &str) -> String {
     let Some(inner) = block.strip_prefix('{').and_then(|rest| rest.strip_suffix('}')) else {
         return block.to_owned();

@@ -1,14 +1,14 @@
-//! Words, numbers and signs, with their places in the text.
+//! Tokens: words, numbers and signs, with their positions in the source.
 
 use std::ops::Range;
 
 /// A range of bytes of the source.
 pub(crate) type Span = Range<usize>;
 
-/// An error in a text, and its place.
+/// An error in the source, with its position.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Fault {
-    /// The place in bytes from the start.
+    /// The position, in bytes from the start.
     pub(crate) at: usize,
     pub(crate) reason: String,
 }
@@ -18,7 +18,7 @@ impl Fault {
         Self { at, reason: reason.into() }
     }
 
-    /// The message with line and column, both from 1. `source` is the text with the error.
+    /// The message with line and column, both counted from 1. `source` must be the text with the error.
     pub(crate) fn message(&self, source: &str) -> String {
         let before = source.get(..self.at).unwrap_or(source);
         let line = before.matches('\n').count() + 1;
@@ -42,13 +42,14 @@ pub(crate) struct Token {
     pub(crate) span: Span,
 }
 
-/// Signs of two characters. Two `>` are a shift, or close two lists of types; the parser decides.
+/// Signs of two characters. Two `>` are missing, because the parser decides whether they are a shift or close two type
+/// lists.
 const PAIRS: [&str; 16] =
     ["->", "==", "!=", "<=", ">=", "&&", "||", "<<", "+=", "-=", "*=", "/=", "%=", "&=", "|=", "^="];
 const STEPS: [&str; 2] = ["++", "--"];
 const SIGNS: &str = "(){}[]<>,;:.@=+-*/%&|^!~";
 
-/// The tokens of a text, [`Kind::End`] last.
+/// The tokens of the source. The last is [`Kind::End`].
 pub(crate) fn tokens(source: &str) -> Result<Vec<Token>, Fault> {
     let (mut found, mut at) = (Vec::new(), 0);
     while let Some(first) = source[at..].chars().next() {
@@ -58,7 +59,7 @@ pub(crate) fn tokens(source: &str) -> Result<Vec<Token>, Fault> {
         } else if rest.starts_with("//") {
             (None, rest.find('\n').unwrap_or(rest.len()))
         } else if rest.starts_with("/*") {
-            let end = rest.find("*/").ok_or_else(|| Fault::new(at, "this comment has no end"))?;
+            let end = rest.find("*/").ok_or_else(|| Fault::new(at, "this comment is not closed"))?;
             (None, end + 2)
         } else if first.is_ascii_alphabetic() || first == '_' {
             (Some(Kind::Word), length_while(rest, |c| c.is_ascii_alphanumeric() || c == '_'))
@@ -84,7 +85,7 @@ fn length_while(text: &str, is_part: impl Fn(char) -> bool) -> usize {
     text.find(|c| !is_part(c)).unwrap_or(text.len())
 }
 
-/// The length of a number: digits, point, exponent with sign, suffix. Domain: the text begins with a digit.
+/// The length of a number: digits, point, exponent with sign, suffix. Domain: the text starts with a digit.
 fn number_length(text: &str) -> usize {
     if text.starts_with("0x") {
         return length_while(text, |c| c.is_ascii_alphanumeric());

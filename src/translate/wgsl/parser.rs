@@ -7,7 +7,7 @@ use super::{
     syntax::{Field, Function, Item, ItemKind, Module, Parameter, Resource},
 };
 
-/// The declarations of a text.
+/// Parses the declarations of a source.
 pub(crate) fn parse(source: &str) -> Result<Module<'_>, Fault> {
     let tokens = tokens(source)?;
     let mut stream = Stream::new(source, &tokens);
@@ -61,12 +61,12 @@ fn item(stream: &mut Stream<'_>) -> Result<Item, Fault> {
             let binding = binding.ok_or_else(|| Fault::new(start, format!("{name} has no binding")))?;
             (name, ItemKind::Global(Resource { ty, group: group.unwrap_or(0), binding, is_written }))
         }
-        other => return Err(Fault::new(stream.before(), format!("«{other}» does not begin a known declaration"))),
+        other => return Err(Fault::new(stream.before(), format!("«{other}» does not start a known declaration"))),
     };
     Ok(Item { name, kind, span: start..stream.before() })
 }
 
-/// Skips attributes, and returns the numbers of group and binding.
+/// Skips attributes, and returns the group and binding numbers.
 fn place(stream: &mut Stream<'_>) -> Result<(Option<u32>, Option<u32>), Fault> {
     let (mut group, mut binding) = (None, None);
     while stream.take("@") {
@@ -124,7 +124,7 @@ fn function(stream: &mut Stream<'_>) -> Result<(String, Function), Fault> {
             return Err(stream.unexpected("«,» or «)»"));
         }
     }
-    // The comma is the one after the last parameter, because a parenthesis follows.
+    // This is the comma after the last parameter, because a parenthesis follows.
     let span = start..stream.before();
     let mut returns = None;
     if stream.take("->") {

@@ -22,7 +22,7 @@ fn block(stream: &mut Stream<'_>) -> Result<Block, Fault> {
     })
 }
 
-/// Parses a statement. Its semicolon is consumed but is not part of its span.
+/// Parses a statement. Consumes its semicolon, but excludes it from the span.
 fn statement(stream: &mut Stream<'_>) -> Result<Statement, Fault> {
     let start = stream.here();
     let kind = if stream.is_next("{") {
@@ -67,7 +67,7 @@ fn conditional(stream: &mut Stream<'_>) -> Result<Statement, Fault> {
     })
 }
 
-/// Parses a statement that can be in the head of a loop, or that ends with a semicolon.
+/// Parses a simple statement: one that can be in the head of a loop, or that ends with a semicolon.
 fn simple(stream: &mut Stream<'_>) -> Result<Statement, Fault> {
     const ASSIGNMENTS: [&str; 9] = ["=", "+=", "-=", "*=", "/=", "%=", "&=", "|=", "^="];
     let start = stream.here();

@@ -1,14 +1,14 @@
-//! A position among the tokens, and parsers of signs, types and expressions there.
+//! A position in the list of tokens, with parsers for signs, types and expressions.
 
 use super::{
     lexer::{Fault, Kind, Span, Token},
     syntax::{Call, Callee, Expr, ExprKind, Scalar, Texture, Type, matrix, vector},
 };
 
-/// The deepest nesting of brackets, operators and blocks.
+/// The largest nesting depth of brackets, operators and blocks.
 const DEEPEST: u32 = 60;
 
-/// The longest array, whose zeros are written out.
+/// The largest array length. The zeros of an array are written out.
 const LONGEST: u32 = 64;
 
 pub(super) struct Stream<'a> {
@@ -19,7 +19,7 @@ pub(super) struct Stream<'a> {
 }
 
 impl<'a> Stream<'a> {
-    /// `tokens` end with [`Kind::End`].
+    /// Domain: the last of `tokens` is [`Kind::End`].
     pub(super) fn new(source: &'a str, tokens: &'a [Token]) -> Self {
         Self { source, tokens, at: 0, depth: 0 }
     }
@@ -56,7 +56,7 @@ impl<'a> Stream<'a> {
         Fault::new(self.here(), format!("expected {wanted}, found {found}"))
     }
 
-    /// Takes any token except the end.
+    /// Consumes any token except the end.
     pub(super) fn next(&mut self) -> Result<&'a str, Fault> {
         if self.is_at_end() {
             return Err(self.unexpected("more"));
@@ -66,7 +66,7 @@ impl<'a> Stream<'a> {
         Ok(text)
     }
 
-    /// Takes this word or sign if it is next, and returns its place.
+    /// Consumes this word or sign if it is next, and returns its span.
     pub(super) fn taken(&mut self, text: &str) -> Option<Span> {
         let span = self.token().span.clone();
         self.is_next(text).then(|| self.at += 1).map(|()| span)
@@ -104,7 +104,7 @@ impl<'a> Stream<'a> {
         })
     }
 
-    /// Parses the rest of the type `name`, which was read at `at`, with its parameters.
+    /// Parses the parameters of the type `name`, which starts at `at`.
     fn type_named(&mut self, name: &str, at: usize) -> Result<Type, Fault> {
         let found = match name {
             "bool" => Type::BOOL,
@@ -179,7 +179,8 @@ impl<'a> Stream<'a> {
         Ok(left)
     }
 
-    /// The operator here and its precedence, as in C. WGSL requires brackets where its precedence differs.
+    /// The operator at this position and its precedence, as in C. Where WGSL has another precedence, it requires
+    /// brackets.
     fn operator(&self) -> Option<(&'static str, u8)> {
         const OPERATORS: [(&str, u8); 18] = [
             ("||", 0),

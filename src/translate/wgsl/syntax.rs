@@ -8,7 +8,7 @@ pub(crate) enum Scalar {
     F32,
     I32,
     U32,
-    /// A number without a suffix, which takes the type of the other operand.
+    /// A number without a suffix. It takes the type of the other operand.
     AbstractInt,
     AbstractFloat,
 }
@@ -24,7 +24,7 @@ pub(crate) enum Texture {
 }
 
 impl Texture {
-    /// The number of coordinates of a texel, including the layer.
+    /// The number of coordinates of a texel. They include the layer.
     pub(crate) fn coordinates(self) -> usize {
         if self == Self::Plane { 2 } else { 3 }
     }
@@ -50,7 +50,7 @@ pub(crate) enum Type {
 pub(crate) struct Expr {
     pub(crate) kind: ExprKind,
     pub(crate) span: Span,
-    /// The number of nodes from here to the deepest leaf.
+    /// The number of nodes from this node down to the deepest leaf.
     pub(crate) depth: u32,
 }
 
@@ -138,7 +138,7 @@ pub(crate) enum StatementKind {
 pub(crate) struct Field {
     pub(crate) name: String,
     pub(crate) ty: Type,
-    /// The range of name and type.
+    /// The range of the name and the type.
     pub(crate) span: Span,
     pub(crate) comma: Option<Span>,
 }
@@ -180,7 +180,7 @@ pub(crate) enum ItemKind {
 pub(crate) struct Item {
     pub(crate) name: String,
     pub(crate) kind: ItemKind,
-    /// The range with attributes and semicolon.
+    /// The range, including attributes and semicolon.
     pub(crate) span: Span,
 }
 
@@ -190,11 +190,11 @@ pub(crate) struct Resource {
     pub(crate) ty: Type,
     pub(crate) group: u32,
     pub(crate) binding: u32,
-    /// Whether it is storage that the shader writes to.
+    /// Whether the resource is storage that the shader writes to.
     pub(crate) is_written: bool,
 }
 
-/// A text and its declarations, in order.
+/// A source text, and its declarations in order.
 #[derive(Debug, Clone)]
 pub(crate) struct Module<'a> {
     pub(crate) source: &'a str,
@@ -203,7 +203,7 @@ pub(crate) struct Module<'a> {
 }
 
 impl Scalar {
-    /// The common type of two operands. A number without a suffix takes the other's type.
+    /// The common type of two operands. A number without a suffix takes the type of the other operand.
     pub(crate) fn join(self, other: Self) -> Self {
         match self {
             Self::AbstractInt => other,
@@ -212,7 +212,7 @@ impl Scalar {
         }
     }
 
-    /// The type of a variable with this value.
+    /// The type of a variable that is initialised with this value.
     pub(crate) fn concrete(self) -> Self {
         match self {
             Self::AbstractInt => Self::I32,
@@ -235,7 +235,7 @@ impl Type {
         }
     }
 
-    /// The same shape with other scalars.
+    /// The same shape with another scalar type.
     pub(crate) fn of(&self, scalar: Scalar) -> Self {
         match self {
             Self::Scalar(_) => Self::Scalar(scalar),
@@ -249,12 +249,12 @@ impl Type {
     }
 }
 
-/// The size in the name `vec2`, `vec3` or `vec4`.
+/// The size in a name such as `vec2`, `vec3` or `vec4`.
 pub(crate) fn vector(name: &str) -> Option<u8> {
     name.strip_prefix("vec").and_then(size)
 }
 
-/// Columns and rows in the name `mat3x3` or similar.
+/// The number of columns and rows in a name such as `mat3x3`.
 pub(crate) fn matrix(name: &str) -> Option<(u8, u8)> {
     let (columns, rows) = name.strip_prefix("mat")?.split_once('x')?;
     size(columns).zip(size(rows))

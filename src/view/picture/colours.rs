@@ -2,10 +2,10 @@
 
 use super::srgb;
 
-/// Black, purple, orange, pale yellow: linear colours at even steps from 0 to 1, whose luminance rises evenly.
+/// Colour stops from 0 to 1 at even steps, in linear RGB: black, purple, orange, pale yellow. Luminance rises evenly.
 const AMOUNTS: [[f32; 3]; 5] =
     [[0.0, 0.0, 0.004], [0.10, 0.004, 0.20], [0.50, 0.038, 0.12], [0.95, 0.26, 0.012], [0.98, 0.97, 0.45]];
-/// Blue, light grey, red: linear colours at even steps from -1 to 1, darker towards both ends.
+/// Colour stops from -1 to 1 at even steps, in linear RGB: blue, light grey, red. Both ends are darker.
 const SIGNED: [[f32; 3]; 5] =
     [[0.004, 0.03, 0.25], [0.08, 0.32, 0.72], [0.72, 0.72, 0.72], [0.74, 0.22, 0.08], [0.25, 0.006, 0.01]];
 
@@ -48,7 +48,7 @@ mod tests {
     }
 
     #[test]
-    fn zero_is_grey_and_what_is_further_from_it_is_darker_and_bluer_or_redder() {
+    fn zero_is_grey_and_both_ends_are_darker_and_bluer_or_redder() {
         let [r, g, b] = signed_colour(0.0);
         assert!(r == g && g == b);
         for i in 0..64_u8 {

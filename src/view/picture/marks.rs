@@ -1,4 +1,4 @@
-//! Marks on a picture, light with a dark rim, so that they show on any colour.
+//! Marks on a picture: light with a dark rim, to be visible on any colour.
 
 use super::Picture;
 
@@ -13,14 +13,14 @@ pub fn ring(picture: &mut Picture, at: [f32; 2], radius: f32) {
     mark(picture, at, radius, |x, y| ((x * x + y * y).sqrt() - radius).abs());
 }
 
-/// An upright cross whose arms are `radius` pixels long.
+/// An upright cross with arms of `radius` pixels.
 pub fn cross(picture: &mut Picture, at: [f32; 2], radius: f32) {
     let arm = |along: f32, across: f32| across.abs().max(along.abs() - radius);
     mark(picture, at, radius, |x, y| arm(x, y).min(arm(y, x)));
 }
 
-/// Draws the pixels whose `distance` from the mark's line is small. `distance` takes a place relative to the mark's
-/// middle.
+/// Draws the pixels near the mark's line. `distance` returns the distance from this line to a point. The point is
+/// relative to the mark's centre.
 fn mark(picture: &mut Picture, [x, y]: [f32; 2], radius: f32, distance: impl Fn(f32, f32) -> f32) {
     let reach = radius + RIM + 1.0;
     let pixels = |middle: f32, end: u32| {

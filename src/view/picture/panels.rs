@@ -7,14 +7,14 @@ use super::{
 
 /// Pixels between panels.
 const GAP: u32 = 4;
-/// A colour bar's height and its distance from the panel's sides.
+/// Height of a colour bar, and its distance from the panel's sides.
 const BAR: u32 = 10;
 const MARGIN: u32 = 8;
-/// The height of the foot of a panel: the bar, and a line for its ends.
+/// Height of a panel's foot: the bar, and a line of text for the labels of its ends.
 const FOOT: u32 = BAR + LINE + 8;
 
-/// The colours of 0 to 1 across `width` pixels. Both ends are written under them, and between the ends the first unit
-/// that fits.
+/// A colour bar from 0 to 1, `width` pixels wide. The labels below it are both ends and, between them, the first of
+/// `units` that fits.
 #[must_use]
 pub fn bar(width: u32, colour: fn(f32) -> [u8; 3], [low, high]: [&str; 2], units: &[&str]) -> Picture {
     let mut picture = Picture::filled(width, FOOT, GROUND);
@@ -35,7 +35,7 @@ pub fn bar(width: u32, colour: fn(f32) -> [u8; 3], [low, high]: [&str; 2], units
     picture
 }
 
-/// A number with three digits, without zeros at the end. Very small numbers have an exponent.
+/// A number with three digits, without trailing zeros. Very small numbers have an exponent.
 #[must_use]
 pub fn number(x: f32) -> String {
     if x != 0.0 && x.abs() < 1e-4 {
@@ -46,7 +46,7 @@ pub fn number(x: f32) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
-/// A line of text on the background, as wide as a panel, in the first wording that fits.
+/// A line of text on the background, `width` pixels wide. The text is the first of `wordings` that fits.
 #[must_use]
 pub fn caption(width: u32, wordings: &[&str]) -> Picture {
     let mut picture = Picture::filled(width, FOOT, GROUND);
@@ -55,10 +55,10 @@ pub fn caption(width: u32, wordings: &[&str]) -> Picture {
     picture
 }
 
-/// A picture, its title above and a strip below.
+/// A picture with a title above and a strip below.
 #[derive(Debug)]
 pub struct Panel<'a> {
-    /// Its title.
+    /// The title.
     pub title: &'a str,
     /// The picture.
     pub picture: Picture,
@@ -83,7 +83,7 @@ pub fn grid(panels: &[Panel<'_>], columns: u32) -> Picture {
     canvas
 }
 
-/// Pictures side by side, aligned at the top.
+/// Pictures next to each other, aligned at the top.
 #[must_use]
 pub fn beside(pictures: &[Picture]) -> Picture {
     let width = pictures.iter().map(|picture| picture.width + GAP).sum::<u32>().saturating_sub(GAP);
@@ -97,7 +97,7 @@ pub fn beside(pictures: &[Picture]) -> Picture {
     canvas
 }
 
-/// A picture under lines of text, each in the first wording that fits.
+/// A picture with lines of text above it. Each line is the first of its wordings that fits.
 #[must_use]
 pub fn headed(lines: &[&[&str]], picture: &Picture) -> Picture {
     let width = picture.width;

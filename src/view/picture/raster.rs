@@ -1,16 +1,16 @@
-//! Bytes to display, and PNG.
+//! Pictures in sRGB, and their encoding as PNG.
 
 /// The picture could not be written as PNG.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("PNG: {0}")]
 pub struct PngError(String);
 
-/// Bytes to display, sRGB.
+/// A picture in sRGB, with 8 bits per channel.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Picture {
-    /// Pixels in a row.
+    /// Width in pixels.
     pub width: u32,
-    /// Rows.
+    /// Height in pixels.
     pub height: u32,
     /// Red, green and blue of each pixel, row by row from the top.
     pub rgb: Vec<[u8; 3]>,
@@ -33,7 +33,7 @@ impl Picture {
         }
     }
 
-    /// Blends a pixel, which may lie outside, towards white by `coverage` (0 to 1), in displayed values.
+    /// Blends a pixel towards white by `coverage` (0 to 1), in sRGB values. A pixel outside the picture is ignored.
     pub(super) fn blend_white(&mut self, x: f32, y: f32, coverage: f32) {
         if x < 0.0 || y < 0.0 || x >= self.width as f32 || y >= self.height as f32 {
             return;

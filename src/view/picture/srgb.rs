@@ -1,8 +1,8 @@
-//! The curve from linear values to bytes.
+//! The sRGB curve from linear values to bytes.
 
 use std::sync::LazyLock;
 
-/// The least linear value of each byte above zero.
+/// For each byte above zero, the least linear value that rounds to it.
 static STEPS: LazyLock<[f32; 255]> = LazyLock::new(|| {
     std::array::from_fn(|step| {
         // The bits of non-negative floats have the same order as the floats.
@@ -22,7 +22,7 @@ static STEPS: LazyLock<[f32; 255]> = LazyLock::new(|| {
 /// The sRGB curve [IEC 61966-2-1] of a linear value in [0, 1], as a byte. Other values are clamped.
 #[must_use]
 pub fn srgb(linear: f32) -> u8 {
-    // Eight comparisons replace a power, which would take a fifth of the time of a picture.
+    // Eight comparisons replace a call of `powf`, which would take a fifth of the rendering time.
     STEPS.partition_point(|step| *step <= linear) as u8
 }
 
@@ -42,7 +42,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_are_those_of_the_curve() {
+    fn steps_follow_the_curve() {
         let everywhere = (0..=100_000_u32).map(|i| i as f32 / 1e5);
         let around = STEPS.iter().flat_map(|step| [step.next_down(), *step, step.next_up()]);
         for linear in everywhere.chain(around) {

@@ -1,4 +1,4 @@
-//! Labels in `DejaVu Sans`; font/LICENSE has its licence.
+//! Labels in `DejaVu Sans`. The licence of the font is in font/LICENSE.
 
 use std::sync::LazyLock;
 
@@ -12,20 +12,20 @@ pub const GROUND: [u8; 3] = [24, 24, 24];
 pub const LINE: u32 = 18;
 /// Panels narrower than this have smaller letters.
 const NARROW: u32 = 200;
-/// Height from the lowest to the highest letter in narrow and in other panels, in pixels.
+/// Height of the letters in narrow and in other panels, in pixels, including descenders.
 const HEIGHTS: [f32; 2] = [12.0, 16.0];
 
 static FONT: LazyLock<FontRef<'static>> = LazyLock::new(|| {
     FontRef::try_from_slice(include_bytes!("font/dejavu_sans.ttf")).expect("the compiled-in font is valid")
 });
 
-/// The digits by which a picture names a table.
+/// The first digits of a table's digest, which name the table in pictures.
 #[must_use]
 pub fn short_digest(digest: &str) -> &str {
     digest.get(..8).unwrap_or(digest)
 }
 
-/// The position of a text relative to its point.
+/// The part of a text that is at a given point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Anchor {
     /// The text begins at the point.
@@ -36,7 +36,7 @@ pub enum Anchor {
     Right,
 }
 
-/// The first wording that fits in a panel of `width`, or an empty text.
+/// The first wording that fits in a panel of `width`, or an empty string.
 #[must_use]
 pub fn fitting<'a>(wordings: &[&'a str], width: u32) -> &'a str {
     let fits = |text: &&&str| text_width(text, width) <= width;
@@ -54,7 +54,7 @@ fn font(width: u32) -> PxScaleFont<&'static FontRef<'static>> {
     FONT.as_scaled(HEIGHTS[usize::from(width >= NARROW)])
 }
 
-/// Writes a line in white whose vertical middle is at `y`, for a panel of `width`.
+/// Writes a line of white text, vertically centred at `y`, for a panel of `width`.
 pub fn write(picture: &mut Picture, text: &str, x: u32, y: u32, anchor: Anchor, width: u32) {
     let font = font(width);
     let before = match anchor {
@@ -81,14 +81,14 @@ fn tag_size(text: &str, width: u32) -> [u32; 2] {
     [text_width(text, width) + 2 * TAG_MARGIN, font(width).height().ceil() as u32 + TAG_MARGIN]
 }
 
-/// Whether a part of a picture, `width` wide, has room for a [`tag`].
+/// Whether a part of a picture has room for a [`tag`]. The part is `width` pixels wide.
 #[must_use]
 pub fn tag_fits(text: &str, width: u32) -> bool {
     tag_size(text, width)[0] + 2 * TAG_MARGIN <= width
 }
 
-/// Writes `text` on a background into the lower left corner, `(left, bottom)`, of a part of a picture, `width` wide.
-/// Nothing is written if there is no room.
+/// Writes `text` with a background into the lower left corner of a part of a picture. The corner is `(left, bottom)`,
+/// and the part is `width` pixels wide. Writes nothing if there is no room.
 pub fn tag(picture: &mut Picture, text: &str, [left, bottom]: [u32; 2], width: u32) {
     let [across, high] = tag_size(text, width);
     if !tag_fits(text, width) || bottom < high + TAG_MARGIN {
@@ -104,7 +104,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_longest_wording_that_fits_is_taken() {
+    fn the_longest_wording_that_fits_is_used() {
         let wordings = ["|LTC - reference|", "difference", "d"];
         assert_eq!(
             [512, 153, 64, 30, 5].map(|width| fitting(&wordings, width)),

@@ -1,27 +1,27 @@
-//! Errors as coloured cells between axes: theta to the right, alpha upwards.
+//! A chart of errors in false colours: theta to the right, alpha upwards.
 
 use crate::picture::{Anchor, GROUND, LINE, Picture, colour, number, write};
 use ltcforge_fit::{ErrorMap, PerAxis};
 
-/// Side of all cells together in pixels, about.
+/// Approximate side of the coloured square, in pixels.
 const SIDE: u32 = 400;
-/// Space for alpha's ticks and labels, and for its name above them.
+/// Space at the left for alpha's ticks and labels, and at the top for the axis name.
 const LEFT: u32 = 64;
 const ABOVE: u32 = LINE + LINE / 2;
-/// Space for theta's ticks, labels and name.
+/// Space at the bottom for theta's ticks, labels and name.
 const BELOW: u32 = TICK + 2 * LINE;
 /// Length of a labelled tick. The tick of a node is half as long.
 const TICK: u32 = 8;
 const TICK_COLOUR: [u8; 3] = [230, 230, 230];
 const NODE_COLOUR: [u8; 3] = [140, 140, 140];
-/// The labels of the axes within the range of the table: alpha, and theta in degrees.
+/// Labelled values of the axes, if they are within the table's range: alpha, and theta in degrees.
 const ALPHAS: [f64; 8] = [0.001, 0.01, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0];
 const DEGREES: [f64; 7] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0];
 
 /// The errors at the ends of the colour scale, which is logarithmic.
 const ENDS: [f64; 2] = [1e-3, 1.0];
 
-/// Errors of a map, row by row from the smoothest surface, with their axes and ticks at a table's nodes.
+/// Draws errors in false colours, row by row from the smoothest surface, with axes and ticks at the table's nodes.
 pub(super) fn draw(map: &ErrorMap, errors: &[f64], axes: &PerAxis<Vec<f64>>) -> Picture {
     let cells = map.cells as u32;
     let scale = SIDE / cells;
@@ -35,7 +35,7 @@ pub(super) fn draw(map: &ErrorMap, errors: &[f64], axes: &PerAxis<Vec<f64>>) -> 
     let width = picture.width;
     let place = |x: f64, [low, high]: [f64; 2]| {
         let part = if high > low { (x - low) / (high - low) } else { 0.5 };
-        // Rounding may put an end slightly outside.
+        // Rounding may place an end slightly outside the range.
         (-1e-6..=1.0 + 1e-6).contains(&part).then(|| (part * f64::from(side - 1)).round() as u32)
     };
     let up = |alpha: f64| place(alpha.sqrt(), map.roughness).map(|up| ABOVE + side - 1 - up);
@@ -61,14 +61,14 @@ pub(super) fn draw(map: &ErrorMap, errors: &[f64], axes: &PerAxis<Vec<f64>>) -> 
     picture
 }
 
-/// The place of an error between the ends of the colours.
+/// The position of an error on the colour scale: 0 at the lower end, 1 at the upper end.
 fn logarithmic(error: f64) -> f32 {
     let [low, high] = ENDS;
     (libm::log(error.max(low) / low) / libm::log(high / low)) as f32
 }
 
-/// The ticks that an axis has room for, with their places: at least two lines of text apart. If there are fewer than
-/// two, both ends of the axis.
+/// The ticks to label and their positions, at least two lines of text apart. If fewer than two fit, it returns the two
+/// ends of the axis.
 fn labelled(ticks: &[f64], ends: [f64; 2], place: impl Fn(f64) -> Option<u32>) -> Vec<(f64, u32)> {
     let mut shown: Vec<(f64, u32)> = Vec::new();
     for tick in ticks {

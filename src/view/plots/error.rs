@@ -6,24 +6,24 @@ use super::{ErrorSlice, chart};
 use crate::picture::{Panel, Picture, bar, colour, grid, headed, number};
 use ltcforge_fit::{ErrorMap, GoOn, Table, error_map_while};
 
-/// Configurations measured along each side: about four in each cell of the default table.
+/// Configurations along each side of the map: about four per cell of the default table.
 pub(super) const CELLS: usize = 40;
 
-/// Both errors side by side. `None` as soon as `go_on` returns false.
+/// Draws both errors next to each other. Returns `None` as soon as `go_on` returns false.
 pub(super) fn draw_while(go_on: &GoOn, table: &Table, name: &str, slice: ErrorSlice) -> Option<Picture> {
     Some(shown(&error_map_while(go_on, table, slice.ratio, slice.phi, CELLS)?, table, name))
 }
 
-/// The errors of a table at one ratio and phi as JSON: `alpha` and `theta` of 40 rows and columns, `width` and `light`
-/// row by row from the smoothest surface. `go_on` is called before each configuration. `None` as soon as it returns
-/// false.
+/// The errors of a table at one ratio and phi, as JSON. `alpha` and `theta` have 40 values each, and `width` and
+/// `light` have one row per alpha, from the smoothest surface. `go_on` is called before each configuration. Returns
+/// `None` as soon as it returns false.
 #[must_use]
 pub fn error_numbers_while(go_on: &GoOn, table: &Table, slice: ErrorSlice) -> Option<String> {
     let map = error_map_while(go_on, table, slice.ratio, slice.phi, CELLS)?;
     let middles = |[low, high]: [f64; 2]| {
         (0..map.cells).map(|i| low + (high - low) * (i as f64 + 0.5) / map.cells as f64).collect::<Vec<_>>()
     };
-    // Four digits are more than a measurement has.
+    // Measurements are accurate to fewer than four significant digits.
     let short = |error: &f64| format!("{error:.3e}").parse().unwrap_or(*error);
     let rows = |errors: &[f64]| -> Vec<Vec<f64>> {
         errors.chunks(map.cells).map(|row| row.iter().map(short).collect()).collect()

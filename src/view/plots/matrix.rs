@@ -1,29 +1,30 @@
-//! All numbers of a table. Each number of an entry has a panel, each ratio and phi a tile in the panel, and each alpha
-//! and theta a cell in the tile.
+//! All numbers of a table. Each number of an entry has a panel. A panel has a tile for each ratio and phi, and a tile
+//! has a cell for each alpha and theta.
 
 use super::Scale;
 use crate::picture::{GROUND, Panel, Picture, bar, caption, grid, headed, number};
 use ltcforge_fit::{PerAxis, Table};
 
-/// The least width and height of a panel in pixels, unless the largest cell makes it smaller.
+/// The width and height that cells are enlarged to fill, in pixels. A panel is smaller if its cells reach the largest
+/// size.
 const SIDE: usize = 240;
-/// Most pixels along a cell's side.
+/// Largest side of a cell, in pixels.
 const LARGEST_CELL: usize = 24;
-/// Most cells along a panel's side. Some nodes of a larger table are not shown.
+/// Largest number of cells along a panel's side. If a table has more nodes, some are not shown.
 const MOST_CELLS: usize = 512;
 /// Pixels between tiles.
 const GAP: usize = 2;
-/// The panels' names, row by row: the matrix, the other numbers of an entry, and the matrix of a second lobe if there
-/// is one.
+/// Panel titles, row by row. A row has three columns of the matrix, another number of an entry, and three columns of
+/// the second lobe's matrix.
 const NAMES: [[&str; 7]; 3] = [
     ["m00", "m01", "m02", "amplitude", "second 00", "second 01", "second 02"],
     ["m10", "m11", "m12", "fresnel", "second 10", "second 11", "second 12"],
     ["m20", "m21", "m22", "node error", "second 20", "second 21", "second 22"],
 ];
-/// The columns of a table of one lobe.
+/// The number of columns for a table with one lobe.
 const OF_ONE_LOBE: usize = 4;
 
-/// Draws all panels. Each has its own range of numbers.
+/// Draws all panels. Each panel has its own colour scale.
 pub(super) fn draw(table: &Table, name: &str) -> Picture {
     let tiling = Tiling::new(table.lengths());
     let width = tiling.width().max(SIDE) as u32;
@@ -46,11 +47,11 @@ pub(super) fn draw(table: &Table, name: &str) -> Picture {
     let PerAxis { alpha, ratio, theta, phi } = tiling.nodes;
     let entries = format!("{name}: {alpha} x {ratio} x {theta} x {phi} entries: alpha x ratio x theta x phi");
     let how = "in a tile theta to the right, alpha upwards; tiles: phi to the right, ratio upwards";
-    let beyond = "colours hold 98 % of the numbers, grey is zero of signed ones; cyan is below, green above";
+    let beyond = "98 % of the numbers are within the scale; cyan: below, green: above; grey: zero, if signed";
     headed(&[&[&entries], &[how], &[beyond], &[&tiling.left_out()]], &grid(&panels, columns as u32))
 }
 
-/// A number of each entry in storage order; `None` if the table lacks it.
+/// A number of each entry, in storage order. `None` if the table does not store this number.
 fn numbers(table: &Table, [row, column]: [usize; 2]) -> Option<Vec<f32>> {
     let numbers_of = |matrices: &[[f32; 9]], column: usize| matrices.iter().map(|m| m[3 * row + column]).collect();
     match (column, row) {
@@ -58,21 +59,21 @@ fn numbers(table: &Table, [row, column]: [usize; 2]) -> Option<Vec<f32>> {
         (OF_ONE_LOBE.., _) => table.second_matrices().map(|matrices| numbers_of(matrices, column - OF_ONE_LOBE)),
         (_, 0) => table.terms.as_ref().map(|terms| terms.amplitude.clone()),
         (_, 1) => table.terms.as_ref().map(|terms| terms.fresnel.clone()),
-        // Tables from other programs lack the node error.
+        // Tables from other programs have no node error.
         _ => Some(table.node_error.clone()).filter(|errors| errors.iter().all(|error| error.is_finite())),
     }
 }
 
-/// Whether a panel shows a number of a matrix off its diagonal. These numbers may have either sign.
+/// Whether a panel shows an off-diagonal number of a matrix. These numbers can have either sign.
 fn is_off_diagonal([row, column]: [usize; 2]) -> bool {
     column != OF_ONE_LOBE - 1 && row != column % OF_ONE_LOBE
 }
 
-/// The positions of entries in a panel.
+/// The layout of a panel: tiles and cells.
 #[derive(Debug)]
 struct Tiling {
     nodes: PerAxis<usize>,
-    /// The step between shown nodes on each axis.
+    /// The step between shown nodes, on each axis.
     step: PerAxis<usize>,
     /// Side of a cell in pixels.
     cell: usize,
@@ -88,12 +89,12 @@ impl Tiling {
         tiling
     }
 
-    /// Cells in a tile, and tiles, from left to right.
+    /// Cells in a tile, and tiles in a panel, from left to right.
     fn across(&self) -> [usize; 2] {
         [self.nodes.theta.div_ceil(self.step.theta), self.nodes.phi.div_ceil(self.step.phi)]
     }
 
-    /// Cells in a tile, and tiles, upwards.
+    /// Cells in a tile, and tiles in a panel, upwards.
     fn down(&self) -> [usize; 2] {
         [self.nodes.alpha.div_ceil(self.step.alpha), self.nodes.ratio.div_ceil(self.step.ratio)]
     }
@@ -126,7 +127,7 @@ impl Tiling {
         picture
     }
 
-    /// The nodes that the picture leaves out, in words.
+    /// The nodes that the picture leaves out, as text.
     fn left_out(&self) -> String {
         let thinned = self.step.named().into_iter().filter(|(_, step)| **step > 1);
         let words: Vec<String> = thinned.map(|(axis, step)| format!("one node of {step} along {axis}")).collect();
@@ -134,17 +135,17 @@ impl Tiling {
     }
 }
 
-/// Pixels that cells in tiles take.
+/// Width or height in pixels of `tiles` tiles with `cells` cells each.
 fn length([cells, tiles]: [usize; 2], cell: usize) -> usize {
     tiles * (cells * cell + GAP) - GAP
 }
 
-/// The pixel at which a cell begins.
+/// The first pixel of a cell.
 fn place(cell_index: usize, tile: usize, cells: usize, cell: usize) -> usize {
     tile * (cells * cell + GAP) + cell_index * cell
 }
 
-/// The steps between shown nodes on two axes, so that they make at most [`MOST_CELLS`] cells.
+/// The steps between shown nodes on two axes. The shown nodes make at most [`MOST_CELLS`] cells.
 fn steps(a: usize, b: usize) -> (usize, usize) {
     let (mut step_a, mut step_b) = (1, 1);
     while a.div_ceil(step_a) * b.div_ceil(step_b) > MOST_CELLS {
@@ -175,16 +176,16 @@ mod tests {
         let numbers: Vec<f32> = (0..120_u8).map(f32::from).collect();
         let scale = Scale::of(&numbers, false);
         let picture = tiling.panel(tiling.width() as u32, &numbers, &scale);
-        // The colours do not cover the least and the greatest of 120 numbers.
+        // The scale excludes the least and the greatest of 120 numbers.
         assert_eq!(scale.ends(), [1.0, 118.0]);
         let cells = tiling.cell * tiling.cell;
         let covered = picture.rgb.iter().filter(|pixel| **pixel != GROUND).count();
         assert_eq!(covered, 120 * cells);
-        // Entry (0, 0, 0, 0) is below on the left; the last is above on the right.
+        // Entry (0, 0, 0, 0) is at the lower left; the last is at the upper right.
         let (width, height) = (picture.width as usize, picture.height as usize);
         assert_eq!(picture.rgb[(height - 1) * width], scale.colour(0.0));
         assert_eq!(picture.rgb[width - 1], scale.colour(119.0));
-        // (alpha 0, ratio 1, theta 2, phi 3) lies in the upper row of tiles, in the fourth tile from the left.
+        // (alpha 0, ratio 1, theta 2, phi 3) is in the upper row of tiles, in the fourth tile from the left.
         let value = numbers[(4 + 2) * 5 + 3];
         let (left, up) = (3 * (4 * tiling.cell + GAP) + 2 * tiling.cell, 3 * tiling.cell + GAP);
         assert_eq!(picture.rgb[(height - 1 - up) * width + left], scale.colour(value));

@@ -1,4 +1,4 @@
-//! Plots of a table: its errors, and its numbers, so that a bad entry is seen at once.
+//! Plots of a table's errors and numbers. A bad entry is visible at a glance.
 //!
 //! Invariant: equal tables and choices give equal bytes, on every machine.
 

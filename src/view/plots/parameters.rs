@@ -1,4 +1,4 @@
-//! The parameters of plots. The command line reads each by its type, and HTTP reads all of them from texts.
+//! The parameters of plots. The command line parses each parameter by its type, and HTTP parses all of them from text.
 
 use std::{f64::consts::TAU, str::FromStr};
 
@@ -18,7 +18,7 @@ impl FromStr for Ratio {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let ratio = within(text, [0.0, 1.0]).map(Self);
-        ratio.ok_or_else(|| format!("«{text}» is not a ratio: a ratio is a number from 0 to 1"))
+        ratio.ok_or_else(|| format!("«{text}» is not a ratio: a number from 0 to 1"))
     }
 }
 
@@ -27,17 +27,17 @@ impl FromStr for Azimuth {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let azimuth = within(text, [-TAU, TAU]).map(Self);
-        azimuth.ok_or_else(|| format!("«{text}» is not an azimuth: an azimuth is -2 pi to 2 pi, in radians"))
+        azimuth.ok_or_else(|| format!("«{text}» is not an azimuth: a number from -2 pi to 2 pi, in radians"))
     }
 }
 
-/// The number in `text`, if it lies between both ends.
+/// The number in `text`, if it is within the bounds.
 fn within(text: &str, [low, high]: [f64; 2]) -> Option<f64> {
     text.parse().ok().filter(|number| (low..=high).contains(number))
 }
 
 impl ErrorSlice {
-    /// The slice of the given parameters, with the default for each that is missing.
+    /// The slice with these parameters. A missing parameter has its default.
     #[must_use]
     pub fn new(ratio: Option<Ratio>, phi: Option<Azimuth>) -> Self {
         let default = Self::default();
@@ -56,7 +56,7 @@ impl ErrorSlice {
             match name {
                 "ratio" => ratio = Some(text.parse()?),
                 "phi" => phi = Some(text.parse()?),
-                _ => return Err("is not a parameter of this plot, which takes ratio, phi".to_owned()),
+                _ => return Err("is not a parameter of this plot; its parameters are ratio and phi".to_owned()),
             }
             Ok(())
         });
@@ -65,7 +65,7 @@ impl ErrorSlice {
 }
 
 impl Plot {
-    /// The error plot of [`ErrorSlice::from_pairs`].
+    /// The error plot with the slice of [`ErrorSlice::from_pairs`].
     ///
     /// # Errors
     /// The errors of [`ErrorSlice::from_pairs`].
@@ -78,8 +78,7 @@ impl Plot {
     /// # Errors
     /// Every parameter that is given.
     pub fn matrix_from<'a>(pairs: impl IntoIterator<Item = (&'a str, &'a str)>) -> Result<Self, Vec<ParameterFault>> {
-        let faults =
-            read_pairs(pairs, |_, _| Err("is not a parameter of this plot, which takes no parameters".to_owned()));
+        let faults = read_pairs(pairs, |_, _| Err("is not a parameter of this plot; it has no parameters".to_owned()));
         if faults.is_empty() { Ok(Self::Matrix) } else { Err(faults) }
     }
 }
@@ -89,7 +88,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn texts_give_the_plot_and_missing_ones_the_default() {
+    fn texts_set_the_plot_and_missing_parameters_have_defaults() {
         let slice = |ratio, phi| Ok(Plot::Error(ErrorSlice { ratio, phi }));
         assert_eq!(Plot::error_from([]), Ok(Plot::Error(ErrorSlice::default())));
         assert_eq!(Plot::error_from([("phi", "-1.5"), ("ratio", "1")]), slice(1.0, -1.5));

@@ -17,7 +17,7 @@ pub enum Plot {
 }
 
 impl Plot {
-    /// The number of configurations at which the plot measures any table.
+    /// The number of configurations that the plot measures. It is the same for every table.
     #[must_use]
     pub fn configurations(&self) -> u32 {
         match self {
@@ -26,14 +26,15 @@ impl Plot {
         }
     }
 
-    /// Draws the plot of the table whose file has this digest, in hexadecimal. It measures on the current rayon pool.
+    /// Draws the plot of a table. `digest` is the digest of its file, in hexadecimal. It measures on the current rayon
+    /// pool.
     #[must_use]
     pub fn draw(&self, table: &Table, digest: &str) -> Picture {
         self.draw_while(&|| true, table, digest).unwrap_or_else(|| unreachable!("nothing stops it"))
     }
 
-    /// [`Self::draw`] that can be stopped. `go_on` is called before each configuration. `None` as soon as it returns
-    /// false.
+    /// [`Self::draw`], but it can be stopped. `go_on` is called before each configuration. Returns `None` as soon as it
+    /// returns false.
     #[must_use]
     pub fn draw_while(&self, go_on: &GoOn, table: &Table, digest: &str) -> Option<Picture> {
         let name = format!("table {}", short_digest(digest));

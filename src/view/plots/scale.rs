@@ -2,9 +2,9 @@
 
 use crate::picture::{colour, signed_colour};
 
-/// The part of the numbers at each end that the colours do not cover. Otherwise one outlier would use up the colours.
+/// The share of the numbers at each end that is outside the scale. Otherwise one outlier would use up the colours.
 const BEYOND: f64 = 0.01;
-/// Colours of values below and above the scale. They do not appear on the scale.
+/// Colours of values below and above the scale. The scale itself does not contain them.
 const BELOW: [u8; 3] = [0, 220, 230];
 const ABOVE: [u8; 3] = [60, 220, 90];
 
@@ -18,7 +18,7 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// A scale that covers all numbers except the few least and greatest. It is signed if `may_be_signed`, or if it
+    /// A scale that covers all numbers except the few least and greatest. It is signed if `may_be_signed` is true or it
     /// covers numbers below zero. Domain: at least one number.
     #[must_use]
     pub fn of(numbers: &[f32], may_be_signed: bool) -> Self {
@@ -33,7 +33,7 @@ impl Scale {
         Self { low: -most, high: most, is_signed: true }
     }
 
-    /// The least and the greatest number that have colours.
+    /// The least and the greatest number on the scale.
     #[must_use]
     pub fn ends(&self) -> [f32; 2] {
         [self.low, self.high]
@@ -52,7 +52,7 @@ impl Scale {
         }
     }
 
-    /// The colours for 0 (the lower end) to 1 (the upper end).
+    /// The colours of the scale, from 0 at its lower end to 1 at its upper end.
     #[must_use]
     pub fn colours(&self) -> fn(f32) -> [u8; 3] {
         if self.is_signed { |part| signed_colour(2.0 * part - 1.0) } else { colour }

@@ -2,16 +2,16 @@
 
 use serde::Serialize;
 
-/// The slice of the domain, over theta and alpha, that an error plot shows.
+/// The slice that an error plot shows: all theta and alpha at one ratio and phi.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ErrorSlice {
-    /// Smaller over larger roughness.
+    /// The smaller roughness divided by the larger.
     pub ratio: f64,
     /// Azimuth of the view direction, radians.
     pub phi: f64,
 }
 
-/// The default azimuth is between the axes of a surface, where anisotropic surfaces differ most from isotropic
+/// The default azimuth is halfway between the axes of a surface, where anisotropic surfaces differ most from isotropic
 /// surfaces.
 impl Default for ErrorSlice {
     fn default() -> Self {

@@ -1,4 +1,4 @@
-//! Checks of a scene: numbers that are out of bounds, and pictures on lights that cannot have them.
+//! Checks of a scene: numbers within bounds, and pictures only on lights that support them.
 
 use super::{LightKind, Mode, Scene, ScenePicture, parameters::PARAMETERS, scene::MAX_MATERIALS};
 use ltcforge_fit::MAX_VERTICES;
@@ -7,12 +7,12 @@ use ltcforge_light::LightModel;
 /// The reason that a scene is not rendered.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SceneFault {
-    /// A parameter that is out of its bounds.
+    /// A parameter is out of bounds.
     #[error("{field} must be between {low} and {high}, got {value}")]
     Bounds {
         /// The parameter, such as `light_intensity`.
         field: String,
-        /// Its value.
+        /// The parameter's value.
         value: f64,
         /// The least allowed value.
         low: f64,
@@ -27,7 +27,7 @@ pub enum SceneFault {
 /// The reason that a light cannot have a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum PictureFault {
-    /// The light is of another shape.
+    /// The light has another shape.
     #[error("needs light rectangle, got {0}: change the light or leave the picture out")]
     Shape(&'static str),
     /// The model does not support pictures.
@@ -36,22 +36,22 @@ pub enum PictureFault {
 }
 
 impl SceneFault {
-    /// The parameter, and its fault.
-    pub(super) fn told(&self) -> (&str, String) {
+    /// The name of the parameter, and its fault.
+    pub(super) fn named(&self) -> (&str, String) {
         match self {
-            Self::Bounds { field, value, low, high } => (field, format!("{value} is not within {low} to {high}")),
+            Self::Bounds { field, value, low, high } => (field, format!("must be {low} to {high}, got {value}")),
             Self::Picture(fault) => ("light_picture", fault.to_string()),
         }
     }
 }
 
 impl Scene {
-    /// Every number that is out of its bounds, in the order of the parameters, and every reason that the light cannot
-    /// have its picture. A NaN is out of all bounds.
+    /// Every number that is out of bounds, in the order of the parameters, and every reason that the light cannot have
+    /// its picture. A NaN is out of bounds.
     #[must_use]
     pub fn faults(&self) -> Vec<SceneFault> {
         let mut scene = self.clone();
-        // No parameter sets these two counts.
+        // These two counts are not parameters.
         let sides = if let LightKind::Polygon(sides) = self.light.kind { sides } else { 3 };
         let counts = [
             ("materials", [1.0, MAX_MATERIALS as f64], vec![self.materials.len() as f64]),
@@ -100,7 +100,7 @@ mod tests {
         scene.materials.push(Material { alpha_x: f64::NAN, ..Material::default() });
         scene.light.kind = LightKind::Polygon(9);
         let faults = scene.faults();
-        let fields: Vec<&str> = faults.iter().map(|fault| fault.told().0).collect();
+        let fields: Vec<&str> = faults.iter().map(|fault| fault.named().0).collect();
         assert_eq!(fields, ["light", "size", "spp", "alpha_x"]);
         assert_eq!(faults[1].to_string(), "size must be between 64 and 2048, got 63");
         let none = Scene { materials: Vec::new(), ..Scene::default() };
@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_are_of_rectangles_and_of_two_models() {
+    fn only_rectangles_and_two_models_support_pictures() {
         let usual = NamedScene::Screen.scene();
         let refused = |scene: &Scene| scene.faults().iter().map(ToString::to_string).collect::<Vec<_>>();
         let light = Light { kind: LightKind::Tube, ..usual.light };

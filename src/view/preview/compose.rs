@@ -1,4 +1,4 @@
-//! Differences, strips and lobes, with their labels.
+//! Pictures of differences, strips and lobes, with labels.
 
 use super::{
     Material, Mode, PanelError, Scene, ShaderTable, cpu,
@@ -11,10 +11,10 @@ use crate::picture::{
 };
 use ltcforge_light::LightModel;
 
-/// Colours outside the sphere of directions, and on the sphere below the horizon, where the lobe is zero.
+/// Colours outside the sphere of directions, and on the part of the sphere below the horizon, where the lobe is zero.
 const BESIDE_COLOUR: [u8; 3] = [48, 48, 48];
 const BELOW_COLOUR: [u8; 3] = [30, 34, 44];
-/// Side of a panel relative to the radius of a mark.
+/// The side of a panel is this many times the radius of a mark.
 const MARK: f32 = 64.0;
 
 /// Mean of the channels' absolute differences.
@@ -22,7 +22,7 @@ fn difference(a: [f32; 3], b: [f32; 3]) -> f32 {
     ((a[0] - b[0]).abs() + (a[1] - b[1]).abs() + (a[2] - b[2]).abs()) / 3.0
 }
 
-/// Linear values from zero to `scale` in false colours.
+/// Linear values in false colours. The scale is from zero to `scale`.
 fn false_colours(width: u32, values: impl Iterator<Item = f32>, scale: f32) -> Picture {
     let rgb: Vec<[u8; 3]> = values
         .map(|value| match value {
@@ -39,7 +39,7 @@ fn differences(ltc: &Radiances, reference: &Radiances, scale: f32) -> Picture {
     false_colours(ltc.width, values, scale)
 }
 
-/// A number from 0 to 1 without the zero before its decimal point.
+/// A number from 0 to 1, without the zero before its decimal point.
 fn short(x: f64) -> String {
     let text = number(x as f32);
     text.strip_prefix("0.").map_or_else(|| text.clone(), |digits| format!(".{digits}"))
@@ -53,13 +53,13 @@ fn bare_alphas(material: &Material) -> String {
     format!("{}, {}", short(material.alpha_x), short(material.alpha_y))
 }
 
-/// The wordings of the label of a material that the table covers: one for each of [`warnings`].
+/// Wordings of the label of a material that the table covers. There are as many as in [`warnings`].
 fn names(material: &Material) -> Vec<String> {
     let alphas = alphas(material);
     vec![alphas.clone(), alphas.clone(), alphas, bare_alphas(material)]
 }
 
-/// The wordings of the label of a material that the table does not cover, the longest first.
+/// Wordings of the label of a material that the table does not cover, the longest first.
 fn warnings(material: &Material) -> Vec<String> {
     let alphas = alphas(material);
     vec![
@@ -92,7 +92,7 @@ fn grid_of(panels: Vec<Titled>, columns: u32) -> Picture {
 }
 
 impl Composer<'_> {
-    /// The picture of mode `ltc`: materials that the table does not cover are marked.
+    /// The picture of mode `ltc`. Materials that the table does not cover have a label.
     pub(super) fn warned(&self, mut picture: Picture) -> Picture {
         self.tag_cells(&mut picture, |_, m| if self.out_of_range.contains(m) { warnings(m) } else { Vec::new() });
         picture
@@ -108,7 +108,8 @@ impl Composer<'_> {
         grid_of(vec![self.truth(reference), self.lit(model, lit, errors), apart], 3)
     }
 
-    /// The picture of mode `models`: the reference, and each model above its difference from the reference.
+    /// The picture of mode `models`: the reference, and for each model its light above the difference from the
+    /// reference.
     pub(super) fn models(
         &self,
         lit: &[(LightModel, Radiances)],
@@ -144,7 +145,7 @@ impl Composer<'_> {
         Titled { title, picture, foot: mean_error(errors, radiances.width) }
     }
 
-    /// The difference of a model from the reference. If it is the only panel, its title names the table.
+    /// The difference of a model from the reference. The title of a single panel names the table.
     fn apart(&self, model: LightModel, radiances: &Radiances, reference: &Radiances, errors: &[PanelError]) -> Titled {
         let (width, scale) = (reference.width, self.scene.difference_scale as f32);
         let mut picture = differences(radiances, reference, scale);
@@ -158,8 +159,8 @@ impl Composer<'_> {
         Titled { title, picture, foot }
     }
 
-    /// Labels each material in the corner of its cell. All cells use the first wording that fits in all of them, so
-    /// that they can be compared. A cell without wordings gets no label.
+    /// Labels each material in the corner of its cell. All cells use the wording with the same index, the first that
+    /// fits in every cell, so the labels are comparable. A cell without wordings gets no label.
     fn tag_cells(&self, picture: &mut Picture, wordings: impl Fn(usize, &Material) -> Vec<String>) {
         let materials = &self.scene.materials;
         let cells = if materials.len() == 1 { 1 } else { 2 };
@@ -176,8 +177,8 @@ impl Composer<'_> {
         }
     }
 
-    /// The picture of mode `lobe`: densities over directions, both on the scale of the reference, with the view
-    /// direction and its mirror direction marked.
+    /// The picture of mode `lobe`: densities over directions, both on the scale of the reference. Marks show the view
+    /// direction and its mirror direction.
     pub(super) fn lobes(&self, frame: &Frame, ltc: &Radiances, reference: &Radiances) -> Picture {
         let peak = reference.pixels.iter().map(|pixel| pixel[0]).fold(1e-9_f32, f32::max);
         let wo = frame.lobe_wo;
@@ -216,7 +217,7 @@ impl Composer<'_> {
     }
 }
 
-/// The mean error over all materials.
+/// The foot of a panel: the mean error over all materials.
 fn mean_error(errors: &[PanelError], width: u32) -> Picture {
     let mean = errors.iter().map(|error| error.mean_absolute).sum::<f64>() / errors.len() as f64;
     let mean = number(mean as f32);
@@ -224,7 +225,7 @@ fn mean_error(errors: &[PanelError], width: u32) -> Picture {
     caption(width, &wordings.each_ref().map(String::as_str))
 }
 
-/// The wordings of the label of a material's difference.
+/// Wordings of the label of a material's difference.
 fn mean_tags(error: &PanelError, material: &Material) -> Vec<String> {
     let (mean, alphas) = (short(error.mean_absolute), alphas(material));
     vec![format!("{alphas}: mean {mean}"), format!("{alphas}: {mean}"), format!("mean {mean}"), mean]

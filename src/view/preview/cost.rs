@@ -1,4 +1,4 @@
-//! The cost of a picture.
+//! The cost of rendering a picture.
 
 use super::{
     ScenePicture,
@@ -6,15 +6,15 @@ use super::{
 };
 use ltcforge_light::LightModel;
 
-/// The greatest cost of a pixel of light by a model, in samples of the reference.
+/// The greatest cost per pixel of a model, in samples of the reference.
 pub(super) fn most_cost() -> u32 {
     LightModel::ALL.iter().map(|model| model.cost().max(model.table_cost())).max().unwrap_or(1)
 }
 
 impl Scene {
-    /// The cost of the picture in samples of the reference: pixels times samples if its mode shows the reference, plus
-    /// pixels times the cost of each model that it shows. A picture on the light doubles the cost of a model. A lobe
-    /// costs as much as light by the table. The pixels are the whole panel, with the background.
+    /// The cost of the picture in samples of the reference. It is the number of pixels times the cost of a pixel: its
+    /// samples if the mode shows the reference, plus the cost of each shown model. A picture on the light doubles the
+    /// cost of a model. A lobe costs as much as light by the table. The pixels include the background.
     #[must_use]
     pub fn cost(&self) -> f64 {
         let times = if self.picture == ScenePicture::None { 1 } else { 2 };

@@ -6,21 +6,21 @@ use ltcforge_fit::{BrdfKind, LobeModel};
 /// The reason that a scene was not rendered.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PreviewError {
-    /// Parameters are out of bounds or do not go together. The second list has the faults of the table.
+    /// Parameters are out of bounds or contradict each other. The second list has the faults of the table.
     #[error("{}", .0.iter().map(ToString::to_string).chain(.1.iter().map(ToString::to_string)).collect::<Vec<_>>().join("\n"))]
     Scene(Vec<SceneFault>, Vec<TableFault>),
     /// The scene cannot show the table.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Table(Vec<TableFault>),
-    /// A GPU was requested, but no shader has the reference of this BRDF.
-    #[error("only the CPU renders the reference of brdf {0}: use mode ltc, or an adapter other than gpu")]
+    /// The caller requires a GPU, but no shader has the reference for this BRDF.
+    #[error("adapter gpu cannot render the reference of brdf {0}: use mode ltc, or adapter any or cpu")]
     CpuOnly(BrdfKind),
-    /// The reference needs the file of a tabulated BRDF, which was not found.
+    /// The reference needs the file of a tabulated BRDF, and the file is missing.
     #[error(
         "the reference needs the file {0} of the tabulated BRDF, which is missing: put it next to the table, or use mode ltc"
     )]
     NoBrdfFile(String),
-    /// A GPU was requested, but Vulkan lists none.
+    /// The caller requires a GPU, but Vulkan lists no adapter.
     #[error("no adapter: {0}")]
     NoAdapter(String),
     /// The GPU, or its driver, failed twice.
@@ -34,19 +34,19 @@ pub enum PreviewError {
 /// The reason that a scene cannot show a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum TableFault {
-    /// The picture compares the table with models that are only for GGX.
-    #[error("the closed forms are for brdf ggx, and the table has brdf {0}: use model ltc, or a table of brdf ggx")]
+    /// The picture compares the table with models that only support GGX.
+    #[error("the closed forms need a table of brdf ggx, got brdf {0}: use model ltc, or another table")]
     OtherBrdf(BrdfKind),
-    /// The picture compensates for the light that facets lose, and the table's model has no facets.
+    /// The picture compensates for the light that is lost between facets, and the table's model has no facets.
     #[error("compensate needs a table of brdf ggx or beckmann, got brdf {0}: leave it out, or use another table")]
     NoFacets(BrdfKind),
     /// The material has a reflectance, and the table's model has no Fresnel factor.
     #[error("f0 needs a brdf with a Fresnel factor, got brdf {0}: leave f0 out, or set it to 1,1,1")]
     NoFresnel(BrdfKind),
-    /// The light has a picture, and the table has Gaussians.
+    /// The light has a picture, and the table stores Gaussians.
     #[error("light_picture needs a table of lobe ltc, got lobe {0}: leave it out, or use another table")]
     GaussianPicture(LobeModel),
-    /// The picture draws a lobe, and the table has Gaussians.
+    /// The picture draws a lobe, and the table stores Gaussians.
     #[error("mode lobe needs a table of lobe ltc, got lobe {0}: use mode strip, or another table")]
     GaussianLobe(LobeModel),
 }

@@ -1,4 +1,4 @@
-//! A scene as the numbers that both renderers read: a shader's uniforms in f32.
+//! A scene as both renderers read it: the uniforms of the shaders, in f32.
 
 use std::sync::Arc;
 
@@ -14,18 +14,19 @@ use ltcforge_fit::{MAX_VERTICES, math::sin_cos};
 
 /// Radiance of the background.
 const BACKGROUND: f32 = 0.02;
-/// The distance to which a floor is visible, in radii of the scenes' sphere. It fades over the second half.
+/// The distance at which a floor ends, in radii of the scene's sphere. It fades out over the second half.
 const FLOOR_END: f32 = 12.0;
-/// View directions whose cosine is below this are raised to it, since the horizon itself reflects nothing.
+/// A smaller cosine of the view direction is raised to this value, because a surface reflects no light along the
+/// horizon.
 pub(super) const LOWEST_VIEW: f32 = 1e-3;
 
-/// Uniforms of `sphere.wgsl`, except the part that is rendered.
+/// Uniforms of `sphere.wgsl`, except the rendered part.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Frame {
     pub(super) surface: Surface,
     pub(super) eye: Vec3,
-    /// Vectors from the middle of the image plane, at distance one, to its right and upper edges, and from the eye to
-    /// it.
+    /// Three vectors: from the middle of the image plane, at distance one, to its right and upper edges, and from the
+    /// eye to the middle.
     pub(super) right: Vec3,
     pub(super) up: Vec3,
     pub(super) forward: Vec3,
@@ -39,15 +40,15 @@ pub(super) struct Frame {
     /// `alpha_x, alpha_y`, cosine and sine of the tangent frame's rotation.
     pub(super) materials: Vec<[f32; 4]>,
     pub(super) size: u32,
-    /// Cells a side.
+    /// Cells per side of the picture.
     pub(super) cells: u32,
     pub(super) spp: u32,
     pub(super) light: FrameLight,
     /// The picture on the light.
     pub(super) picture: Option<Arc<LightPicture>>,
-    /// Whether light from below the surface is cut off: a constant of the pipeline.
+    /// Whether light from below the surface is cut off. It is a constant of the pipeline.
     pub(super) is_cut: bool,
-    /// Whether the light that facets lose is added back: a constant of the pipeline.
+    /// Whether the light that is lost between facets is added back. It is a constant of the pipeline.
     pub(super) is_compensated: bool,
 }
 
@@ -55,7 +56,7 @@ pub(super) struct Frame {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FrameLight {
     pub(super) vertices: Vec<Vec3>,
-    /// Area of the fan's triangles up to each vertex, relative to the total area.
+    /// Area of the triangles of the fan up to each vertex, relative to the total area.
     pub(super) area_up_to: Vec<f32>,
     pub(super) shape: FrameShape,
     pub(super) normal: Vec3,
@@ -80,12 +81,12 @@ impl FrameShape {
 }
 
 impl FrameLight {
-    /// Whether the polygon that replaces the light emits from both sides. Polygons that face every point do.
+    /// Whether the polygon that replaces the light emits from both sides. Polygons for spheres and tubes do.
     pub(super) fn is_two_sided(&self) -> bool {
         self.two_sided || matches!(self.shape, FrameShape::Tube { .. } | FrameShape::Line { .. })
     }
 
-    /// Vertices of the polygon that replaces the light for models that only light by polygons.
+    /// The number of vertices of the polygon that replaces the light for models that only support polygons.
     pub(super) fn outline_vertices(&self) -> usize {
         match self.shape {
             FrameShape::Polygon | FrameShape::Ellipse(_) => self.vertices.len(),
@@ -95,10 +96,10 @@ impl FrameLight {
     }
 }
 
-/// A part of a picture, and of its samples.
+/// A part of a picture, and a range of its samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Part {
-    /// The first tile in a list of tiles, and the number of tiles.
+    /// The first tile of the part, in a list of tiles, and the number of tiles.
     pub(super) first_tile: u32,
     pub(super) tiles: u32,
     pub(super) first_sample: u32,
@@ -106,7 +107,7 @@ pub(super) struct Part {
 }
 
 impl Frame {
-    /// The frame of mode `lobe` or of another mode. Domain: a scene without faults.
+    /// The frame of a scene. `of_lobe` is true for mode `lobe`. Domain: a scene without faults.
     pub(super) fn new(scene: &Scene, of_lobe: bool) -> Self {
         let cells = if of_lobe || scene.materials.len() == 1 { 1 } else { 2 };
         let (eye, [right, up, forward]) = if of_lobe { lobe_view(scene.lobe.phi) } else { view(&scene.camera) };
@@ -156,7 +157,7 @@ impl Frame {
         self.materials.get(cell as usize).copied()
     }
 
-    /// `struct Scene` for a part of the picture.
+    /// The words of `struct Scene`, for a part of the picture.
     pub(super) fn scene_words(&self, part: &Part) -> Vec<u32> {
         let mut words = Words::default();
         words.vector(self.eye, self.pixel);
@@ -167,7 +168,7 @@ impl Frame {
         words.vector(self.background, self.floor_end);
         words.vector(self.lobe_wo, 0.0);
         for cell in 0..MAX_MATERIALS {
-            // An alpha below zero marks a cell without material.
+            // A negative alpha marks a cell without material.
             words.floats(self.materials.get(cell).copied().unwrap_or([-1.0; 4]));
         }
         let surface = match self.surface {
@@ -179,7 +180,7 @@ impl Frame {
         words.0
     }
 
-    /// `struct Light`.
+    /// The words of `struct Light`.
     pub(super) fn light_words(&self) -> Vec<u32> {
         let light = &self.light;
         let mut words = Words::default();
@@ -210,7 +211,7 @@ impl Frame {
     }
 }
 
-/// The camera's place and its right, up and forward directions.
+/// The position of the camera, and its right, up and forward directions.
 fn view(camera: &Camera) -> (DVec3, [DVec3; 3]) {
     let ((sin_a, cos_a), (sin_e, cos_e)) = (sin_cos(camera.azimuth), sin_cos(camera.elevation));
     let back = DVec3::new(sin_a * cos_e, sin_e, cos_a * cos_e);
@@ -218,8 +219,8 @@ fn view(camera: &Camera) -> (DVec3, [DVec3; 3]) {
     (DVec3::from(camera.target) + back * camera.distance, [right, back.cross(right), -back])
 }
 
-/// The camera that shows the sphere of directions. It looks from 40 degrees above, at right angles to the plane of view
-/// direction and mirror direction, with the view direction on the left.
+/// The camera for the sphere of directions. It looks down at 40 degrees, perpendicular to the plane of the view
+/// direction and its mirror direction. The view direction is on the left.
 fn lobe_view(phi: f64) -> (DVec3, [DVec3; 3]) {
     let ((sin, cos), (sin_e, cos_e)) = (sin_cos(phi), sin_cos(0.7));
     let right = DVec3::new(-cos, -sin, 0.0);

@@ -9,8 +9,8 @@ use super::{Light, LightKind};
 /// A light in the scene.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Outline {
-    /// Vertices of a polygon, or of the polygon that replaces an ellipse for models that only have polygons. They run
-    /// clockwise as seen from the lit side. Other shapes face every point and have no vertices.
+    /// Vertices of the light, or of the polygon that replaces an ellipse for models that only support polygons. The
+    /// order is clockwise as seen from the lit side. Spheres, tubes and lines have no vertices.
     pub(super) vertices: Vec<DVec3>,
     /// Unit normal towards the lit side.
     pub(super) normal: DVec3,
@@ -20,7 +20,7 @@ pub(super) struct Outline {
     pub(super) shape: Shape<DVec3, f64>,
 }
 
-/// The shape of a light, in vectors and numbers of the scene or of uniforms.
+/// The shape of a light, for vectors and numbers in f64 or f32.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Shape<V, N> {
     Polygon,
@@ -40,12 +40,12 @@ pub(super) enum Shape<V, N> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Ellipse<V, N> {
     pub(super) centre: V,
-    /// Perpendicular half axes, each with one over its squared length.
+    /// Two perpendicular half axes. Each has the reciprocal of its squared length.
     pub(super) half_axes: [(V, N); 2],
 }
 
 impl Shape<DVec3, f64> {
-    /// The ellipse as uniforms.
+    /// The ellipse in f32, for uniforms.
     pub(super) fn as_f32(&self) -> Shape<Vec3, f32> {
         match *self {
             Self::Polygon => Shape::Polygon,
@@ -60,7 +60,7 @@ impl Shape<DVec3, f64> {
 }
 
 impl Light {
-    /// The outline of the light in the scene.
+    /// The outline of the light, in scene coordinates.
     pub(super) fn outline(&self) -> Outline {
         let centre = DVec3::from(self.centre);
         let frame = facing_origin(centre) * self.turn();
@@ -103,7 +103,7 @@ impl Light {
     }
 }
 
-/// The rotation after which +z points from `centre` to the origin and +y as far up as it can.
+/// The rotation that turns +z from `centre` towards the origin, and +y as far upwards as possible.
 fn facing_origin(centre: DVec3) -> DMat3 {
     let z = (-centre).try_normalize().unwrap_or(DVec3::Z);
     let x = DVec3::Y.cross(z).try_normalize().unwrap_or(DVec3::X);
@@ -111,7 +111,7 @@ fn facing_origin(centre: DVec3) -> DMat3 {
 }
 
 impl LightKind {
-    /// Vertices in the square from -1 to 1, clockwise.
+    /// Vertices within the square from -1 to 1, clockwise.
     fn corners(self) -> Vec<(f64, f64)> {
         let regular = |sides: u32, radius: f64, first: f64| -> Vec<(f64, f64)> {
             let angle = |i: u32| first - TAU * f64::from(i) / f64::from(sides);
@@ -119,7 +119,7 @@ impl LightKind {
         };
         match self {
             Self::Rectangle => vec![(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)],
-            // n / 2 sin(2 pi / n) R^2 = pi.
+            // The octagon has the area of the circle: n / 2 sin(2 pi / n) R^2 = pi.
             Self::Disk => regular(8, (PI / (4.0 * FRAC_PI_4.sin())).sqrt(), 0.5 * FRAC_PI_4),
             Self::Polygon(sides) => regular(sides, 1.0, 0.5 * PI),
             Self::Sphere | Self::Tube | Self::Line => Vec::new(),
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn the_lit_side_faces_the_origin_and_is_the_one_that_the_integral_sees() {
+    fn the_lit_side_faces_the_origin_and_agrees_with_the_integral() {
         for kind in KINDS {
             let light = Light { kind, centre: [0.3, 0.2, 2.0], ..Light::default() };
             let outline = light.outline();

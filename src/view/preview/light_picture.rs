@@ -1,22 +1,23 @@
-//! The picture on the light of a frame, as renderers read it.
+//! The picture on a light, as renderers read it.
 
 use std::sync::Arc;
 
 use super::Scene;
 use ltcforge_light::textured::{LightImage, LightPyramid, Readings};
 
-/// A picture: the image for the reference and for the camera, and the prefiltered pyramid for models.
+/// A picture on a light. The reference and the camera read the image, and models read the prefiltered pyramid.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct LightPicture {
     pub(super) image: Arc<LightImage>,
     /// The prefiltered picture. Its texels are square on the light.
     pub(super) pyramid: LightPyramid,
-    /// The number of times that models read the picture for a point.
+    /// The number of texture reads of a model per shaded point.
     pub(super) readings: Readings,
 }
 
 impl LightPicture {
-    /// The picture of a scene, if the scene has one. Domain: a scene without faults, so that its light is a rectangle.
+    /// The picture on the light of a scene, if there is one. Domain: a scene without faults, so its light is a
+    /// rectangle.
     pub(super) fn of(scene: &Scene) -> Option<Self> {
         let image = scene.picture.image()?;
         let pyramid = LightPyramid::new(&image.resampled(image.square_size(scene.light.half_size)));

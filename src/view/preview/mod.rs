@@ -1,10 +1,11 @@
 //! Previews of a table: metal under an area light, by the table and by Monte Carlo integration.
 //!
-//! The GPU runs the same shaders that users put into their own renderers. `cpu` is their twin in Rust. It renders if
+//! The GPU runs the same shaders that users add to their own renderers. `cpu` is their twin in Rust. It renders if
 //! there is no adapter, and tests compare the GPU with it. Both read the same `frame`, and share all steps after
-//! radiance, such as differences and labels. `parameters` declares the fields of a scene that callers may choose.
+//! radiance, such as differences and labels. `parameters` declares the fields of a scene that callers can choose.
 //!
-//! Invariant: `preview` knows no file, HTTP or recipe; equal scenes and tables give equal bytes on the same adapter.
+//! Invariant: `preview` has no access to files, HTTP or recipes; equal scenes and tables give equal bytes on the same
+//! adapter.
 
 mod bounds;
 mod choices;

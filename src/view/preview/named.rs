@@ -1,10 +1,10 @@
-//! Named set-ups.
+//! Named scenes.
 
 use super::{Camera, Light, LightKind, Material, Scene, ScenePicture, Surface};
 use ltcforge_fit::named_list;
 
 named_list! {
-    /// A named set-up.
+    /// A named scene.
     pub enum NamedScene {
         /// One sphere under a rectangle.
         Sphere = "sphere",
@@ -14,7 +14,7 @@ named_list! {
         BrushedFloor = "brushed_floor",
         /// A light of a few degrees, reflected by metal of roughness 0.02.
         TinyLight = "tiny_light",
-        /// A light next to the sphere and as large, which the horizons of most points cut.
+        /// A light next to the sphere and as large as the sphere. The horizons of most points cut it.
         Horizon = "horizon",
         /// A television with its picture, behind a brushed metal floor.
         Screen = "screen",
@@ -22,7 +22,7 @@ named_list! {
 }
 
 impl NamedScene {
-    /// The parameters of the set-up.
+    /// The parameters of the named scene.
     #[must_use]
     pub fn scene(self) -> Scene {
         let usual = Scene::default();

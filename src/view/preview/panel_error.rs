@@ -13,13 +13,13 @@ pub struct PanelError {
     pub alpha_x: f64,
     /// The material's roughness across its tangent.
     pub alpha_y: f64,
-    /// Mean over pixels that the surface covers, and over channels, of the absolute difference in radiance.
+    /// Mean absolute difference in radiance, over the pixels that the surface covers and over the channels.
     pub mean_absolute: f64,
     /// Mean radiance of the reference over the same pixels and channels.
     pub mean_radiance: f64,
 }
 
-/// The error of each material over the pixels that it covers.
+/// The error of each material, over the pixels that the material covers.
 pub(super) fn panel_errors(
     scene: &Scene,
     frame: &Frame,

@@ -7,18 +7,18 @@ use glam::DVec3;
 use super::{Material, NamedScene, Scene};
 use ltcforge_light::AnisotropicRoughness;
 
-/// A parameter. [`Scene::default`] has its default.
+/// A parameter. Its default is its value in [`Scene::default`].
 #[derive(Debug, Clone, Copy)]
 pub struct Parameter {
-    /// Its name in a query. The command line writes dashes for the underscores.
+    /// The parameter's name in a query. The command line writes dashes for the underscores.
     pub name: &'static str,
-    /// Its meaning, without its bounds and its default.
+    /// The meaning, without bounds and default.
     pub help: &'static str,
-    /// The value's placeholder in the command line's help, such as `X,Y,Z`.
+    /// The placeholder for the value in the command line's help, such as `X,Y,Z`.
     pub value_name: &'static str,
-    /// Its unit, if it has one.
+    /// The unit, if there is one.
     pub unit: Option<&'static str>,
-    /// Its form and its field.
+    /// The form of the value, and its field in a scene.
     pub form: ParameterForm,
 }
 
@@ -29,22 +29,22 @@ pub enum ParameterForm {
     Name {
         /// The names.
         names: fn() -> Vec<&'static str>,
-        /// The index of the scene's name; `None` for a light without a name.
+        /// The index of the scene's current name. `None` for a light without a name.
         get: fn(&Scene) -> Option<usize>,
-        /// Sets the scene to the name with this index.
+        /// Gives the scene the name with this index.
         set: fn(&mut Scene, usize),
     },
     /// A whole number between two bounds.
     Whole([u32; 2], fn(&mut Scene) -> &mut u32),
-    /// Numbers with commas between them, each between two bounds.
+    /// Comma-separated numbers, each between two bounds.
     Numbers([f64; 2], fn(&mut Scene) -> &mut [f64]),
-    /// A point, with its largest distance from the origin.
+    /// A point. Its distance from the origin has an upper bound.
     Point(f64, fn(&mut Scene) -> &mut [f64; 3]),
     /// A number of each material, between two bounds.
     OfMaterials([f64; 2], fn(&mut Material) -> &mut f64),
-    /// A number of each material, between two bounds. Setting it removes all materials except the first.
+    /// The same number, but setting it removes all materials except the first.
     OfOneMaterial([f64; 2], fn(&mut Material) -> &mut f64),
-    /// A material, by the parameters of a description. It replaces the scene's materials.
+    /// A material, described by its parameters. It replaces the scene's materials.
     OneMaterial,
     /// True or false.
     Flag(fn(&mut Scene) -> &mut bool),
@@ -57,7 +57,7 @@ pub enum Value {
     Name(usize),
     /// A whole number.
     Whole(u32),
-    /// One number or several.
+    /// One or more numbers.
     Numbers(Vec<f64>),
     /// A material; `None` keeps the scene's materials.
     Material(Option<Material>),
@@ -69,14 +69,14 @@ impl Parameter {
     /// Parses `text`.
     ///
     /// # Errors
-    /// The expected form. [`Scene::faults`] checks the bounds of numbers later.
+    /// The expected form of the value. [`Scene::faults`] checks the bounds of numbers later.
     pub fn parse(&self, text: &str) -> Result<Value, String> {
         let expected = |what: &str| format!("«{text}» is not {what}");
         match self.form {
             ParameterForm::Name { names, .. } => {
                 let known = names();
                 let found = known.iter().position(|name| *name == text).map(Value::Name);
-                found.ok_or_else(|| format!("«{text}» is none of {}", known.join(", ")))
+                found.ok_or_else(|| format!("«{text}» is not one of {}", known.join(", ")))
             }
             ParameterForm::Whole([low, high], _) => {
                 let whole = text.parse().map(Value::Whole);
@@ -97,13 +97,13 @@ impl Parameter {
                 let numbers = numbers.ok().filter(|numbers| numbers.len() == count).map(Value::Numbers);
                 numbers.ok_or_else(|| match count {
                     1 => expected("a number"),
-                    _ => expected(&format!("{count} numbers with commas between them")),
+                    _ => expected(&format!("{count} comma-separated numbers")),
                 })
             }
         }
     }
 
-    /// Sets the field of a scene to a value that [`Parameter::parse`] of this parameter returned.
+    /// Sets the field of a scene. `value` must be a result of [`Parameter::parse`] of the same parameter.
     pub(super) fn set(&self, scene: &mut Scene, value: &Value) {
         match (self.form, value) {
             (ParameterForm::Name { set, .. }, Value::Name(index)) => set(scene, *index),
@@ -126,7 +126,7 @@ impl Parameter {
         }
     }
 
-    /// The bounds, and the numbers of a scene that have to be within them. For a point it is its distance from the
+    /// The bounds, and the scene's numbers that must be within them. For a point, the number is its distance from the
     /// origin.
     pub(super) fn bounded(&self, scene: &mut Scene) -> ([f64; 2], Vec<f64>) {
         match self.form {
@@ -140,8 +140,8 @@ impl Parameter {
         }
     }
 
-    /// The text that [`Parameter::parse`] reads as a scene's value. Of several materials it is the first material's
-    /// value.
+    /// The value of a scene as text that [`Parameter::parse`] can read. If there are several materials, it is the value
+    /// of the first.
     #[must_use]
     pub fn text(&self, scene: &Scene) -> String {
         let mut scene = scene.clone();
@@ -161,7 +161,7 @@ impl Parameter {
         }
     }
 
-    /// The number of numbers in its value.
+    /// How many numbers the value has.
     #[must_use]
     pub fn count(&self) -> usize {
         match self.form {
@@ -171,7 +171,7 @@ impl Parameter {
         }
     }
 
-    /// Its bounds as text; `None` if its value is not a number. The lower bound of a point is empty.
+    /// The bounds as text. `None` if the value is not a number. The lower bound of a point is empty.
     #[must_use]
     pub fn bounds(&self) -> Option<[String; 2]> {
         match self.form {
@@ -184,7 +184,7 @@ impl Parameter {
         }
     }
 
-    /// Its line in the command line's help: meaning, bounds and default.
+    /// The line in the command line's help: meaning, bounds and default.
     #[must_use]
     pub fn line(&self) -> String {
         let unit = self.unit.map_or_else(String::new, |unit| format!(" {unit}"));
@@ -202,7 +202,7 @@ impl Parameter {
         format!("{}{bounds} [default{scene}: {default}]", self.help)
     }
 
-    /// Whether a named scene has a value other than the default.
+    /// Whether the value differs between named scenes.
     #[must_use]
     pub fn differs_between_scenes(&self) -> bool {
         let default = self.text(&Scene::default());

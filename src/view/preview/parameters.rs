@@ -1,5 +1,5 @@
-//! The parameters that there are. A new one is declared here, beside the field of the scene that it sets; query,
-//! command line, bounds and the checks of docs and openapi.yaml follow.
+//! All parameters of a preview. A new parameter is declared here, next to its field of the scene. The query, the
+//! command line, the bounds, and the checks of docs and openapi.yaml follow from this list.
 
 use std::{f64::consts::TAU, slice};
 
@@ -9,17 +9,17 @@ use super::{
 };
 use ltcforge_light::{LightModel, normals::NormalsRule, textured::Readings};
 
-/// Where things may stand, in radii of the sphere.
+/// Largest coordinate and half size of a light, and largest camera distance, in radii of the sphere.
 const PLACE: f64 = 100.0;
-/// The least distance of the camera from its target: outside of the sphere.
+/// The least distance of the camera from its target. The camera stays outside the sphere.
 const NEAREST: f64 = 1.5;
-/// How far from the origin it may look: too little to bring the camera into the sphere.
+/// The largest distance of the camera's target from the origin. It is too small to bring the camera into the sphere.
 const FARTHEST_TARGET: f64 = 0.45;
-/// Angles about an axis.
+/// Bounds of an angle about an axis.
 const TURN: [f64; 2] = [-TAU, TAU];
 const QUARTER: f64 = TAU / 4.0;
 
-/// A parameter that is one of the names of a list.
+/// A parameter with a name from a list.
 macro_rules! listed {
     ($name:literal, $help:literal, $kind:ident::$list:ident, $field:ident) => {
         name(
@@ -32,14 +32,14 @@ macro_rules! listed {
     };
 }
 
-/// A parameter that is one number.
+/// A parameter with one number.
 macro_rules! number {
     ($name:literal, $help:literal, $unit:expr, $bounds:expr, $($field:ident).+) => {
         numbers($name, $help, "X", $unit, $bounds, |s| slice::from_mut(&mut s.$($field).+))
     };
 }
 
-/// Every parameter. They are set in this order: the named scene first, then the parameters that differ from it.
+/// Every parameter. They are applied in this order: first the named scene, then the parameters that change it.
 pub static PARAMETERS: [Parameter; 30] = [
     name(
         "scene",
@@ -62,8 +62,8 @@ pub static PARAMETERS: [Parameter; 30] = [
         unit: None,
         form: ParameterForm::OneMaterial,
     },
-    alpha("alpha_x", "GGX roughness along the tangent; shows one material", |m| &mut m.alpha_x),
-    alpha("alpha_y", "GGX roughness across the tangent; shows one material", |m| &mut m.alpha_y),
+    alpha("alpha_x", "Show one material: GGX roughness along the tangent", |m| &mut m.alpha_x),
+    alpha("alpha_y", "Show one material: GGX roughness across the tangent", |m| &mut m.alpha_y),
     Parameter {
         name: "rotation",
         help: "Rotation of the tangents",
@@ -80,15 +80,10 @@ pub static PARAMETERS: [Parameter; 30] = [
         |s, i| s.light.kind = LightKind::NAMED[i].1,
     ),
     numbers("light_centre", "Centre of the light", "X,Y,Z", RADII, [-PLACE, PLACE], |s| &mut s.light.centre),
-    numbers(
-        "light_half_size",
-        "Half the width and height; a sphere's radius; a tube's half length, radius",
-        "X,Y",
-        RADII,
-        [1e-3, PLACE],
-        |s| &mut s.light.half_size,
-    ),
-    numbers("light_rotation", "Rotation of the light away from facing the origin", "YAW,PITCH,ROLL", RAD, TURN, |s| {
+    numbers("light_half_size", "Half width, height (tube: length, radius)", "X,Y", RADII, [1e-3, PLACE], |s| {
+        &mut s.light.half_size
+    }),
+    numbers("light_rotation", "Rotation from facing the origin", "YAW,PITCH,ROLL", RAD, TURN, |s| {
         &mut s.light.rotation
     }),
     number!("light_intensity", "Radiance of the light", None, [0.0, 1e4], light.intensity),
@@ -105,7 +100,7 @@ pub static PARAMETERS: [Parameter; 30] = [
     number!("camera_azimuth", "Azimuth of the camera", RAD, TURN, camera.azimuth),
     number!(
         "camera_elevation",
-        "Elevation of the camera; a floor is visible only from above",
+        "Elevation of the camera (above 0 to see a floor)",
         RAD,
         [-QUARTER, QUARTER],
         camera.elevation
@@ -131,7 +126,7 @@ pub static PARAMETERS: [Parameter; 30] = [
 ];
 
 const RAD: Option<&str> = Some("rad");
-/// Radii of the sphere.
+/// The unit of lengths: radii of the sphere.
 const RADII: Option<&str> = Some("radii");
 
 const fn name(
@@ -185,9 +180,9 @@ mod tests {
         }
     }
 
-    /// Values on the bounds are taken and those beyond refused, for each of a parameter's numbers.
+    /// Values on the bounds are accepted, and values beyond are rejected, for each number of each parameter.
     #[test]
-    fn every_bound_holds_on_both_sides() {
+    fn every_bound_is_checked_on_both_sides() {
         let mut tried = 0;
         for parameter in &PARAMETERS {
             let (bounds, numbers) = parameter.bounded(&mut Scene::default());
@@ -201,7 +196,7 @@ mod tests {
             };
             for place in 0..if numbers.is_empty() { 0 } else { parameter.count() } {
                 for (bound, outwards) in bounds.into_iter().zip([-step, step]) {
-                    // A point's distance is bounded, which is never below zero.
+                    // A point only has an upper bound, on its distance from the origin.
                     if is_point && outwards < 0.0 {
                         continue;
                     }
@@ -217,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_tell_bounds_units_and_defaults() {
+    fn lines_show_bounds_units_and_defaults() {
         let line = |name: &str| PARAMETERS.iter().find(|p| p.name == name).map(Parameter::line).expect(name);
         assert_eq!(line("size"), "Pixels per side of a panel, 64 to 2048 [default: 512]");
         assert_eq!(line("theta"), "Polar angle of the view in mode lobe, 0 to pi/2 rad [default: 1]");

@@ -22,47 +22,47 @@ const CPU: &str = "cpu";
 
 /// The reflectance for which Schlick's factor is one for every view.
 const NO_FRESNEL: [f64; 3] = [1.0; 3];
-/// Samples that the CPU renders between calls of `stop`. They take some hundredths of a second on one slow core.
+/// Samples that the CPU renders between two calls of `stop`. They take some hundredths of a second on one slow core.
 const SAMPLES: u32 = 1 << 18;
 
 named_list! {
-    /// The adapter that renders.
+    /// The choice of the renderer.
     pub enum Adapter {
         /// A GPU if Vulkan lists one, otherwise the CPU.
         Any = "any",
-        /// A GPU, or an error.
+        /// A GPU. Fails if there is no GPU.
         Gpu = "gpu",
         /// The CPU.
         Cpu = "cpu",
     }
 }
 
-/// A picture, its renderer and its errors.
+/// A picture, with the name of its renderer and its errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rendered {
-    /// The picture.
+    /// The rendered picture.
     pub picture: Picture,
-    /// The renderer: an adapter's name, or `cpu`.
+    /// The name of the GPU adapter, or `cpu`.
     pub adapter: String,
-    /// The error of each material, in the scene's order, for modes that compare.
+    /// The error of each material, in the scene's order. Only modes that compare have errors.
     pub errors: Vec<PanelError>,
-    /// The materials whose roughness is outside the table's nodes, for modes that show the table. The picture uses the
-    /// nearest entries.
+    /// In modes that show the table: the materials whose roughness is outside the table's nodes. For them the picture
+    /// uses the nearest entries.
     pub out_of_range: Vec<Material>,
 }
 
-/// Renders pictures, one after another. The first picture opens the device.
+/// Renders pictures one after another. The first picture opens the device.
 #[derive(Debug)]
 pub struct Preview {
     adapter: Adapter,
     gpu: Gpu,
-    /// There is no GPU that works, so the CPU renders from now on.
+    /// True if no usable GPU was found. The CPU then renders all pictures.
     has_no_gpu: bool,
-    /// A GPU was open before.
+    /// True if a GPU was open before.
     had_gpu: bool,
 }
 
-/// Renders the parts of a picture on the GPU, or on the CPU without a GPU.
+/// Renders the parts of a picture on the GPU, or on the CPU if there is no GPU.
 struct Pass<'a> {
     gpu: Option<&'a mut Gpu>,
     table: &'a Arc<ShaderTable>,
@@ -71,13 +71,13 @@ struct Pass<'a> {
 }
 
 impl Preview {
-    /// A renderer that has not opened a device yet.
+    /// A renderer that opens its device on first use.
     #[must_use]
     pub fn new(adapter: Adapter) -> Self {
         Self::with_weights(adapter, Weights::default())
     }
 
-    /// A renderer whose shaders interpolate by `weights`. The CPU always interpolates in f32.
+    /// A renderer whose shaders interpolate as `weights` says. The CPU always interpolates in f32.
     #[must_use]
     pub fn with_weights(adapter: Adapter, weights: Weights) -> Self {
         Self { adapter, gpu: Gpu::new(weights), has_no_gpu: false, had_gpu: false }
@@ -86,8 +86,8 @@ impl Preview {
     /// Renders a scene.
     ///
     /// # Errors
-    /// When parameters are out of bounds, the scene cannot show the table, or `stop` returns true. When the adapter is
-    /// [`Adapter::Gpu`] and there is no GPU, the GPU fails twice, or no shader has the reference.
+    /// Parameters are out of bounds, the scene cannot show the table, or `stop` returned true. With [`Adapter::Gpu`]
+    /// also: there is no GPU, the GPU failed twice, or no shader has the reference.
     pub fn render(
         &mut self,
         table: &Arc<ShaderTable>,
@@ -103,14 +103,15 @@ impl Preview {
         let is_for_cpu = self.check(table, scene, faults)?;
         let scene = &*material_shown(&table.brdf, scene);
         let by_gpu = |gpu: &mut Gpu| attempt(Some(gpu), table, scene, stop);
-        // A picture comes from one renderer: if the GPU fails in the middle, the CPU renders all of it.
+        // One renderer makes the whole picture: if the GPU fails in the middle, the CPU starts again.
         if let Some(rendered) = if is_for_cpu { None } else { self.on_gpu(by_gpu)? } {
             return Ok(rendered);
         }
         attempt(None, table, scene, stop).map_err(|_| PreviewError::Stopped)
     }
 
-    /// Whether only the CPU can render a scene, because no shader has its reference.
+    /// Whether only the CPU can render a scene, because no shader has its reference. Returns an error if `faults` is
+    /// not empty.
     fn check(&self, table: &ShaderTable, scene: &Scene, faults: Vec<TableFault>) -> Result<bool, PreviewError> {
         if !faults.is_empty() {
             return Err(PreviewError::Table(faults));
@@ -125,16 +126,16 @@ impl Preview {
         Ok(is_for_cpu)
     }
 
-    /// The device that renders: an adapter's name, or `cpu`.
+    /// The name of the renderer: a GPU adapter's name, or `cpu`.
     ///
     /// # Errors
-    /// When the adapter is [`Adapter::Gpu`] and there is no GPU.
+    /// The adapter is [`Adapter::Gpu`], and there is no GPU.
     pub fn adapter_name(&mut self) -> Result<String, PreviewError> {
         let name = self.on_gpu(Gpu::name)?;
         Ok(name.unwrap_or_else(|| CPU.to_owned()))
     }
 
-    /// The result of `work` on the GPU; `None` if the CPU has to do it.
+    /// The result of `work` on the GPU. `None` if the CPU must do the work.
     fn on_gpu<T>(&mut self, work: impl FnOnce(&mut Gpu) -> Result<T, GpuFailure>) -> Result<Option<T>, PreviewError> {
         if self.adapter == Adapter::Cpu || (self.adapter == Adapter::Any && self.has_no_gpu) {
             return Ok(None);
@@ -149,7 +150,7 @@ impl Preview {
         };
         if self.adapter == Adapter::Any {
             tracing::warn!("rendering on the CPU instead of a GPU: {failure}");
-            // A lost GPU may come back.
+            // A lost GPU can come back.
             self.has_no_gpu = matches!(failure, GpuFailure::Absent(_)) && !self.had_gpu;
             return Ok(None);
         }
@@ -160,7 +161,7 @@ impl Preview {
     }
 }
 
-/// Renders a picture on the GPU, or on the CPU, which fails only if it is stopped.
+/// Renders a picture on the GPU or on the CPU. The CPU only fails if it is stopped.
 fn attempt(
     gpu: Option<&mut Gpu>,
     table: &Arc<ShaderTable>,
@@ -202,7 +203,7 @@ fn attempt(
 }
 
 impl Pass<'_> {
-    /// A frame as displayed.
+    /// A frame, tone-mapped for display.
     fn picture(&mut self, estimator: Estimator) -> Result<Picture, GpuFailure> {
         Ok(tone::displayed(self.frame.exposure, &self.radiances(estimator)?))
     }
@@ -216,23 +217,23 @@ impl Pass<'_> {
     }
 }
 
-/// The scene with a reflectance that fits the scattering model: one for models without a Fresnel factor.
+/// The scene with a reflectance that fits the scattering model. It is one for models without a Fresnel factor.
 fn material_shown<'a>(brdf: &BrdfModel, scene: &'a Scene) -> Cow<'a, Scene> {
     if takes_f0(brdf, scene) { Cow::Borrowed(scene) } else { Cow::Owned(Scene { f0: NO_FRESNEL, ..scene.clone() }) }
 }
 
-/// Whether a picture has a Fresnel factor, and so an f0.
+/// Whether a picture uses a Fresnel factor, and therefore f0.
 fn takes_f0(brdf: &BrdfModel, scene: &Scene) -> bool {
     brdf.kind().has_fresnel() || scene.mode == Mode::Lobe
 }
 
-/// The fault of an f0 that the scattering model does not have.
+/// The fault of a scene that sets f0 for a scattering model without it.
 fn fault_of_f0(brdf: &BrdfModel, scene: &Scene) -> Option<TableFault> {
     let is_given = scene.f0 != NO_FRESNEL && scene.f0 != Scene::default().f0;
     (is_given && !takes_f0(brdf, scene)).then_some(TableFault::NoFresnel(brdf.kind()))
 }
 
-/// All reasons that a scene cannot show a table.
+/// All reasons why a scene cannot show a table.
 fn faults_of_table(table: &ShaderTable, scene: &Scene) -> Vec<TableFault> {
     let kind = table.brdf.kind();
     let is_of_ggx = LightModel::ALL.iter().any(|model| !model.needs_table() && scene.shows(*model));
@@ -248,7 +249,7 @@ fn faults_of_table(table: &ShaderTable, scene: &Scene) -> Vec<TableFault> {
     faults.into_iter().flatten().collect()
 }
 
-/// The shown materials whose roughness is outside the table's nodes.
+/// The shown materials with a roughness outside the table's nodes.
 fn out_of_range(table: &ShaderTable, scene: &Scene) -> Vec<Material> {
     let shown = match scene.mode {
         _ if !scene.needs_table() => 0,
@@ -271,8 +272,8 @@ fn on_cpu(table: &ShaderTable, frame: &Frame, estimator: Estimator, stop: Stop<'
     Ok(Radiances { width: frame.size, pixels })
 }
 
-/// The parts of a frame that the CPU renders one after another, as corner and extent: some whole rows, or a part of a
-/// row if a row has more samples than [`SAMPLES`]. Their pixels have the order of the frame.
+/// The parts of a frame that the CPU renders one after another, as corner and extent. A part has whole rows, or pixels
+/// of one row if a row has more samples than [`SAMPLES`]. Together their pixels are in the order of the frame.
 fn cpu_parts(size: u32, samples: u32) -> impl Iterator<Item = ([u32; 2], [u32; 2])> {
     let pixels = (SAMPLES / samples).max(1);
     let (width, height) = (pixels.min(size), (pixels / size).max(1));

@@ -1,4 +1,4 @@
-//! The scene of a preview, with defaults. [`super::parameters`] lists the fields that callers may choose.
+//! The scene of a preview, with defaults. [`super::parameters`] lists the fields that callers can choose.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,19 +6,19 @@ use super::ScenePicture;
 use ltcforge_fit::named_list;
 use ltcforge_light::{AnisotropicRoughness, LightModel, LightShape, normals::NormalsRule, textured::Readings};
 
-/// Materials that a picture can hold.
+/// The largest number of materials in a picture.
 pub(super) const MAX_MATERIALS: usize = 4;
 
-/// The models that mode `models` shows side by side.
+/// The models that mode `models` compares.
 pub(super) const COMPARED: [LightModel; 2] = [LightModel::Ltc, LightModel::Normals];
 
-/// The scene of a preview. Lengths are in radii of the sphere, angles in radians, y points up.
+/// The scene of a preview. Lengths are in radii of the sphere, angles are in radians, and y points up.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Scene {
     /// The surface.
     pub surface: Surface,
-    /// One material, or up to four that share the picture in two columns.
+    /// One material, or two to four materials in two columns.
     pub materials: Vec<Material>,
     /// Reflectance at normal incidence, linear sRGB. At grazing incidence it is one.
     pub f0: [f64; 3],
@@ -26,15 +26,15 @@ pub struct Scene {
     pub light: Light,
     /// The picture on the light.
     pub picture: ScenePicture,
-    /// The number of times that models read the picture for a point.
+    /// Texture reads of a model per shaded point.
     pub readings: Readings,
     /// The camera.
     pub camera: Camera,
-    /// The configuration whose lobe mode `lobe` draws; its roughness is the first material's.
+    /// The view direction for mode `lobe`. The lobe's roughness is that of the first material.
     pub lobe: LobeView,
     /// Side of each panel in pixels.
     pub size: u32,
-    /// Samples per pixel of the reference. Each is a visible normal and a point of the light.
+    /// Samples per pixel of the reference. Each sample is a visible normal and a point of the light.
     pub spp: u32,
     /// The kind of picture.
     pub mode: Mode,
@@ -42,27 +42,27 @@ pub struct Scene {
     pub model: LightModel,
     /// The rule of model `normals`.
     pub rule: NormalsRule,
-    /// Whether light and lobe of model `ltc` end at the surface, so that no light from below comes through.
+    /// Whether model `ltc` cuts the light and the lobe at the surface, so that no light comes from below the surface.
     pub cut: bool,
-    /// Whether the light that facets lose to each other is added back: a factor `1 + f0 (1 / albedo - 1)`.
+    /// Whether the light that is lost between facets is added back, by the factor `1 + f0 (1 / albedo - 1)`.
     pub compensate: bool,
-    /// Radiance is multiplied by this before it is displayed.
+    /// A factor on the radiance before display.
     pub exposure: f64,
-    /// The difference, in radiance, at the end of the colour bar.
+    /// The radiance difference at the end of the colour bar.
     pub difference_scale: f64,
 }
 
-/// The surface.
+/// The shape of the surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Surface {
-    /// A sphere of radius one around the origin, its tangents along circles of latitude.
+    /// A sphere of radius one around the origin. Its tangents follow circles of latitude.
     Sphere,
-    /// The plane y = 0, its tangents along x.
+    /// The plane y = 0. Its tangents point along x.
     Floor,
 }
 
-/// An anisotropic metal's surface.
+/// The roughness of an anisotropic metal.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Material {
@@ -70,26 +70,27 @@ pub struct Material {
     pub alpha_x: f64,
     /// GGX roughness across the tangent.
     pub alpha_y: f64,
-    /// Angle by which the tangent frame is turned about the normal.
+    /// Rotation of the tangent frame about the normal.
     pub rotation: f64,
 }
 
-/// A light that emits evenly.
+/// A light with uniform emission.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Light {
-    /// Its shape.
+    /// The shape.
     pub kind: LightKind,
-    /// Its middle.
+    /// The centre.
     pub centre: [f64; 3],
-    /// Half its width and half its height. For a sphere the first is the radius, and the second is ignored. For a tube
-    /// or line the first is half the distance between its ends. The second is a tube's radius, or half a line's width.
+    /// Half the width and half the height. For a sphere, the first number is the radius, and the second is ignored. For
+    /// a tube or line, the first number is half the distance between its ends. The second is the tube's radius, or half
+    /// the line's width.
     pub half_size: [f64; 2],
-    /// Yaw, pitch and roll by which it is turned from facing the origin upright, applied in reverse order.
+    /// Yaw, pitch and roll away from an upright light that faces the origin. They are applied in reverse order.
     pub rotation: [f64; 3],
     /// Radiance.
     pub intensity: f64,
-    /// Whether its back also emits. Spheres, tubes and lines emit to all sides.
+    /// Whether the back also emits. Spheres, tubes and lines emit to all sides.
     pub two_sided: bool,
 }
 
@@ -105,9 +106,9 @@ pub enum LightKind {
     Sphere,
     /// All points up to a radius from a line: a cylinder with round ends.
     Tube,
-    /// The limit of a thin tube, whose light is proportional to its diameter.
+    /// The limit of a thin tube. Its light is proportional to its diameter.
     Line,
-    /// A regular polygon with its first vertex up, stretched to the half sizes.
+    /// A regular polygon with one vertex at the top, stretched to the half sizes.
     Polygon(u32),
 }
 
@@ -115,15 +116,15 @@ pub enum LightKind {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Camera {
-    /// Distance from its target.
+    /// Distance from the target.
     pub distance: f64,
-    /// Angle about +y from +z towards +x.
+    /// Angle about +y, from +z towards +x.
     pub azimuth: f64,
     /// Angle above the horizontal.
     pub elevation: f64,
-    /// Whole angle of view.
+    /// Full angle of view.
     pub field_of_view: f64,
-    /// The point that it looks at.
+    /// The point in the middle of the picture.
     pub target: [f64; 3],
 }
 
@@ -138,25 +139,25 @@ pub struct LobeView {
 }
 
 named_list! {
-    /// The mode in which a scene is shown.
+    /// The modes of a preview.
     pub enum Mode {
         /// Light by the model.
         Ltc = "ltc",
         /// Light by Monte Carlo integration of the BRDF itself.
         Reference = "reference",
-        /// The difference of the two in false colours, with their scale.
+        /// The difference between modes `ltc` and `reference` in false colours, with the colour scale.
         Difference = "difference",
-        /// The three side by side.
+        /// Modes `ltc`, `reference` and `difference` next to each other.
         Strip = "strip",
-        /// The reference, the table and the closed form, and the differences of both from the reference.
+        /// The reference, the light by the table and by the closed form, and their differences from the reference.
         Models = "models",
-        /// The BRDF's lobe and the fitted lobe, over the directions.
+        /// The BRDF's lobe and the fitted lobe, on the sphere of directions.
         Lobe = "lobe",
     }
 }
 
 impl Scene {
-    /// The same picture with one value for each parameter that its mode does not show.
+    /// The scene with defaults for the parameters that its mode does not show.
     #[must_use]
     pub fn canonical(self) -> Self {
         let usual = Self { mode: self.mode, size: self.size, ..Self::default() };
@@ -186,7 +187,7 @@ impl Scene {
 }
 
 impl Scene {
-    /// Whether the picture shows anything of a table.
+    /// Whether the picture needs a table.
     #[must_use]
     pub fn needs_table(&self) -> bool {
         self.shows(LightModel::Ltc)
@@ -205,7 +206,7 @@ impl Scene {
 }
 
 impl LightKind {
-    /// The shapes that have a name in parameters.
+    /// The shapes with a name in parameters.
     pub const NAMED: [(&str, Self); 10] = [
         ("rectangle", Self::Rectangle),
         (LightShape::Disk.name(), Self::Disk),
@@ -219,7 +220,7 @@ impl LightKind {
         ("octagon", Self::Polygon(8)),
     ];
 
-    /// Its name, or `polygon`.
+    /// The shape's name, or `polygon`.
     #[must_use]
     pub fn name(self) -> &'static str {
         Self::NAMED.iter().find(|(_, kind)| *kind == self).map_or("polygon", |(name, _)| name)

@@ -1,4 +1,4 @@
-//! The pictures on a preview's light.
+//! The pictures on the light of a preview.
 
 use std::sync::Arc;
 
@@ -14,20 +14,20 @@ pub enum ScenePicture {
     None,
     /// A television's test card.
     Television,
-    /// A window of six panes with sky and land behind it.
+    /// A window of six panes, with sky and land behind it.
     Window,
     /// A picture from the caller. Scenes with such a picture are not written as documents.
     #[serde(skip)]
     Image(Arc<LightImage>),
 }
 
-/// Texels of the drawn pictures.
+/// Size of the built-in pictures in texels.
 const SIZE: [usize; 2] = [320, 180];
-/// Width over height of the drawn pictures.
+/// Aspect ratio of the built-in pictures.
 const ASPECT: f32 = 16.0 / 9.0;
 const WHITE: [f32; 3] = [1.0; 3];
 const BLACK: [f32; 3] = [0.0; 3];
-/// The bars of a test card: white, yellow, cyan, green, magenta, red and blue at three quarters.
+/// The bars of the test card at 75 %: white, yellow, cyan, green, magenta, red and blue.
 const BARS: [[f32; 3]; 7] = [
     [0.75, 0.75, 0.75],
     [0.75, 0.75, 0.02],
@@ -39,11 +39,11 @@ const BARS: [[f32; 3]; 7] = [
 ];
 
 impl ScenePicture {
-    /// The pictures that have a name in parameters.
+    /// The pictures with a name in parameters.
     pub const NAMED: [(&str, Self); 3] =
         [("none", Self::None), ("television", Self::Television), ("window", Self::Window)];
 
-    /// The picture; `None` for a light that emits evenly.
+    /// The image. `None` for a light that emits evenly.
     pub(super) fn image(&self) -> Option<Arc<LightImage>> {
         let colour = match self {
             Self::None => return None,
@@ -60,7 +60,7 @@ impl ScenePicture {
     }
 }
 
-/// A test card: a grid, and a circle with a heading, coloured bars, stripes and grey steps.
+/// A test card: a grid, and a circle with a title bar, coloured bars, stripes and grey steps.
 fn television([u, v]: [f32; 2]) -> [f32; 3] {
     let (x, y) = ((u - 0.5) * ASPECT, v - 0.5);
     let grey = |is_white: bool| if is_white { WHITE } else { BLACK };
@@ -85,7 +85,7 @@ fn television([u, v]: [f32; 2]) -> [f32; 3] {
     }
 }
 
-/// Panes between bars, brighter above the horizon than below.
+/// A window with panes between bars. The view is brighter above the horizon than below.
 fn window([u, v]: [f32; 2]) -> [f32; 3] {
     let is_bar = |part: f32, panes: f32, width: f32| {
         let place = (part * panes).fract();

@@ -1,4 +1,4 @@
-//! A table as the numbers that shaders read.
+//! A table in the form that shaders read.
 
 use half::f16;
 
@@ -19,23 +19,23 @@ named_list! {
 /// A table as shaders read it: three texels per entry, in the order of the file's entries.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShaderTable {
-    /// The scattering model that it was fitted to. References of its pictures use this model.
+    /// The scattering model that the table was fitted to. The references in its pictures use this model.
     pub(super) brdf: BrdfModel,
-    /// The distribution that approximates a lobe.
+    /// The distribution that the table fits to a lobe.
     pub(super) lobe: LobeModel,
     pub(super) layout: Layout,
     pub(super) format: TexelFormat,
     /// The axes as shaders read them.
     pub(super) axes: ShaderAxes,
     /// `m00 m01 m02 m10`, `m11 m12 m20 m21`, `m22 amplitude fresnel 0` of each entry, then of each second lobe. The
-    /// numbers are rounded to the format.
+    /// numbers are rounded to `format`.
     pub(super) texels: [Vec<[f32; 4]>; 3],
-    /// Its name in pictures.
+    /// The table's name in pictures.
     pub(super) label: Option<String>,
 }
 
 impl ShaderTable {
-    /// A placeholder for pictures that show no table. Their reference is GGX.
+    /// A placeholder for pictures that show no table. The reference in these pictures is GGX.
     #[must_use]
     pub fn none() -> Self {
         let texel = |texel: [f32; 4]| vec![texel];
@@ -55,9 +55,9 @@ impl ShaderTable {
         }
     }
 
-    /// The table with its numbers rounded to `format`. A table without terms gets neutral terms: with `kt2022` all
-    /// light is reflected, with `reflected` as much as by the reflection in the middle of the lobe. Domain: nodes of
-    /// the table's layout, as in every file.
+    /// The table with its numbers rounded to `format`. A table without terms gets amplitude 1 and Fresnel term 0. With
+    /// `kt2022`, all light is then reflected. With `reflected`, the reflected part is that of the reflection in the
+    /// middle of the lobe. Domain: nodes of the table's layout, as in every file.
     #[must_use]
     pub fn new(table: &Table, format: TexelFormat) -> Self {
         let rounded = |x: f32| match format {
@@ -87,30 +87,30 @@ impl ShaderTable {
         }
     }
 
-    /// The table with the first digits of its file's digest as its name in pictures.
+    /// The table, named in pictures by the first digits of its file's digest.
     #[must_use]
     pub fn labelled(self, digest: &str) -> Self {
         Self { label: Some(short_digest(digest).to_owned()), ..self }
     }
 
-    /// Whether only the CPU has the reference of a scene with this table. Shaders only have the reference of GGX.
+    /// Whether the scene's reference can only run on the CPU. Shaders only have the reference for GGX.
     #[must_use]
     pub fn has_reference_on_cpu_only(&self, scene: &Scene) -> bool {
         self.brdf != BrdfKind::Ggx && scene.mode != Mode::Ltc
     }
 
-    /// The use of the second lobe, if its entries have two.
+    /// The use of the second lobe, if the entries have two lobes.
     #[must_use]
     pub fn second(&self) -> Option<SecondLobe> {
         self.brdf.fresnel().second()
     }
 
-    /// The title of its light in pictures.
+    /// The title in pictures for light by this table.
     pub(super) fn lobe_title(&self) -> String {
         self.lobe.name().to_uppercase()
     }
 
-    /// The title in pictures of the model that it was fitted to.
+    /// The title in pictures for the model that the table was fitted to.
     pub(super) fn brdf_title(&self) -> &'static str {
         match self.brdf.kind() {
             BrdfKind::Ggx => "GGX",
@@ -118,7 +118,7 @@ impl ShaderTable {
         }
     }
 
-    /// Bytes of its texels in a GPU's memory.
+    /// The size of the texels in a GPU's memory, in bytes.
     #[must_use]
     pub fn gpu_bytes(&self) -> u64 {
         let number = match self.format {
@@ -141,7 +141,7 @@ mod tests {
         let (single, half) = (ShaderTable::new(&table, TexelFormat::F32), ShaderTable::new(&table, TexelFormat::F16));
         let mut differ = 0;
         for (a, b) in single.texels.iter().flatten().flatten().zip(half.texels.iter().flatten().flatten()) {
-            // Half a unit in the last of 11 bits; below 2^-14 numbers are 2^-24 apart.
+            // Half a unit in the last of 11 bits. Numbers below 2^-14 are 2^-24 apart.
             assert!((a - b).abs() <= (a.abs() / 2048.0).max(2.0_f32.powi(-25)), "{a} {b}");
             differ += usize::from(a != b);
         }

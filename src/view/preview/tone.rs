@@ -1,16 +1,17 @@
-//! The tone curve from radiance to bytes, equal in all modes: exposure, `1 - exp(-x)`, the sRGB curve, eight bits.
+//! The tone curve from radiance to bytes: exposure, `1 - exp(-x)`, the sRGB curve, rounding to 8 bits. It is the same
+//! in all modes.
 
 use rayon::prelude::*;
 
 use super::Radiances;
 use crate::picture::{Picture, srgb};
 
-/// The byte that displays a radiance.
+/// The displayed byte for a radiance.
 pub(super) fn display(exposure: f32, radiance: f32) -> u8 {
     srgb(1.0 - (-exposure * radiance.max(0.0)).exp())
 }
 
-/// Displays radiances as a picture.
+/// The picture of tone-mapped radiances.
 pub(super) fn displayed(exposure: f32, radiances: &Radiances) -> Picture {
     let rgb: Vec<[u8; 3]> =
         radiances.pixels.par_iter().map(|pixel| pixel.map(|channel| display(exposure, channel))).collect();

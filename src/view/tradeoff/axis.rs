@@ -1,6 +1,6 @@
 //! A logarithmic axis of a picture.
 
-/// Maps values to a picture's coordinate by their logarithm.
+/// Maps values to coordinates of a picture, by their logarithm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LogAxis {
     low: f64,
@@ -9,7 +9,7 @@ pub(super) struct LogAxis {
     ends: [f64; 2],
 }
 
-/// The margin at both ends, as a part of the axis.
+/// The margin at both ends, as a share of the axis.
 const MARGIN: f64 = 0.05;
 
 impl LogAxis {
@@ -18,13 +18,13 @@ impl LogAxis {
         let shown = values.filter(|value| *value > 0.0 && value.is_finite());
         let [low, high] = shown.fold([f64::INFINITY, 0.0_f64], |[low, high], value| [low.min(value), high.max(value)]);
         let [low, high] = if low > high { [1.0, 10.0] } else { [low, high] };
-        // A single value is in the middle of a factor of two.
+        // A single value is in the middle of an axis that spans a factor of two.
         let span = (high / low).ln().max(std::f64::consts::LN_2 * 0.5);
         let margin = (MARGIN * span).exp();
         Self { low: low / margin, high: (low * span.exp()).max(high) * margin, ends }
     }
 
-    /// The coordinate of `value`. Values beyond the axis are at its end.
+    /// The coordinate of `value`. Values beyond the axis are placed at its end.
     pub(super) fn at(&self, value: f64) -> f64 {
         let part = (value.max(self.low) / self.low).ln() / (self.high / self.low).ln();
         self.ends[0] + (self.ends[1] - self.ends[0]) * part.min(1.0)
@@ -42,7 +42,7 @@ impl LogAxis {
         all.filter(|tick| (self.low..=self.high).contains(tick)).collect()
     }
 
-    /// The values to mark. If some are closer together than `least`, only whole decades.
+    /// The values to mark. If some are closer together than `least`, it returns only whole decades.
     pub(super) fn ticks_apart(&self, least: f64) -> Vec<f64> {
         let ticks = self.ticks();
         let is_close = |pair: &[f64]| (self.at(pair[1]) - self.at(pair[0])).abs() < least;
@@ -59,7 +59,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn values_lie_inside_in_order_and_factors_are_lengths() {
+    fn values_are_inside_in_order_and_equal_factors_have_equal_lengths() {
         let axis = LogAxis::over([0.02, 0.2, 2.0].into_iter(), [100.0, 500.0]);
         let [a, b, c] = [0.02, 0.2, 2.0].map(|value| axis.at(value));
         assert!(100.0 < a && a < b && b < c && c < 500.0, "{a} {b} {c}");

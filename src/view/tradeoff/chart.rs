@@ -1,4 +1,4 @@
-//! A chart of errors over prices, with the Pareto front of its points.
+//! A chart of error against cost, with the Pareto front of its points.
 
 use std::fmt::Write as _;
 
@@ -10,10 +10,10 @@ use super::{
     number::rounded,
 };
 
-/// Width of a chart, and its part at the left for points with price zero.
+/// Width of a chart. Points with price zero have their own space at the left.
 pub(super) const WIDTH: f64 = 480.0;
 const FREE: f64 = 48.0;
-/// The width of the label below a tick.
+/// The width reserved for the label below a tick.
 const TICK_WIDTH: f64 = 40.0;
 /// The width of a letter at 13 pixels, and the height of a name.
 const LETTER: f64 = 7.6;
@@ -26,13 +26,13 @@ pub(super) struct Line {
     pub(super) top: f64,
     pub(super) height: f64,
     pub(super) error_unit: &'static str,
-    /// The factor on errors in labels.
+    /// The factor on errors in axis labels.
     pub(super) error_scale: f64,
-    /// The largest error, relative to the least. Larger errors are drawn at the upper edge.
+    /// The largest shown error, relative to the least. Larger errors are drawn at the upper edge.
     pub(super) most_error: f64,
 }
 
-/// Errors over prices.
+/// A chart of errors against prices.
 pub(super) struct Chart {
     pub(super) line: Line,
     pub(super) left: f64,
@@ -48,16 +48,17 @@ pub(super) struct Point {
     pub(super) error: f64,
     pub(super) kind: Kind,
     pub(super) is_f16: bool,
-    /// The price of the shipped form of the table, which has a second mark.
+    /// The price of the form of the table that ships with a renderer. A second mark shows it.
     pub(super) shipped: Option<f64>,
     pub(super) name: Option<String>,
     pub(super) is_preset: bool,
-    /// Whether it is on the front of tables with the presets' resolution and precision.
+    /// Whether the point is on the front of tables with the presets' resolution and precision.
     pub(super) is_on_base_front: bool,
 }
 
 impl Chart {
-    /// Writes the chart as SVG. Points on a front and closed forms are opaque, and others faint. Presets have rings.
+    /// Writes the chart as SVG. Points on a front and closed forms are opaque, and other points are faint. Presets have
+    /// rings.
     pub(super) fn write(&self, out: &mut String) -> std::fmt::Result {
         let Self { line: Line { top, height, error_unit, error_scale, most_error }, left, title, unit, points, .. } =
             self;
@@ -109,7 +110,7 @@ impl Chart {
         self.write_names(out, &at, &fronts.map(|(_, corners)| corners))
     }
 
-    /// Writes names where they do not cover each other, a mark or a front.
+    /// Writes each name where it does not cover another name, a mark or a front.
     fn write_names(&self, out: &mut String, at: &[[f64; 2]], fronts: &[Vec<[f64; 2]>]) -> std::fmt::Result {
         let points = || self.points.iter().zip(at);
         let marks = points().map(|(point, at)| Area::around(*at, if point.is_preset { RING } else { MARK } + 1.0));
@@ -129,7 +130,7 @@ impl Chart {
     }
 }
 
-/// The corners of a staircase. Between the prices of two points on a front, the best known error is the first point's.
+/// The corners of a staircase. Between two points on a front, the best known error is that of the cheaper point.
 fn staircase(points: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
     let mut points: Vec<[f64; 2]> = points.collect();
     points.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -143,7 +144,7 @@ fn staircase(points: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
 
 fn write_front(out: &mut String, class: &str, corners: &[[f64; 2]]) -> std::fmt::Result {
     let Some(([x, y], rest)) = corners.split_first() else { return Ok(()) };
-    // Corners come in pairs. The first ends a horizontal line, and the second a vertical line.
+    // Corners come in pairs. The first ends a horizontal line, and the second ends a vertical line.
     let steps = rest.chunks_exact(2).map(|pair| format!("H{:.1}V{:.1}", pair[1][0], pair[1][1]));
     writeln!(out, r#"<path class="{class}" d="M{x:.1} {y:.1}{}"/>"#, steps.collect::<String>())
 }

@@ -1,9 +1,9 @@
-//! The recipes that a trade-off fits.
+//! The family of recipes that a trade-off fits.
 
 use ltcforge_files::recipe_document::{Preset, canonical_json, parse};
 use ltcforge_fit::{FitSettings, Layout, PerAxis, Precision, Recipe};
 
-/// The size of a family.
+/// How many recipes a family has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Size {
     /// The presets and a few recipes around them.
@@ -12,11 +12,11 @@ pub enum Size {
     Full,
 }
 
-/// Resolutions of a family, relative to the base recipe's resolution on each axis.
+/// Resolutions in a family, relative to the base recipe. They scale all axes.
 const SCALES: [f64; 5] = [0.4, 0.6, 0.8, 1.25, 1.5];
-/// The factors that scale a single axis.
+/// Factors that scale one axis at a time.
 const AXIS_SCALES: [f64; 2] = [0.6, 1.6];
-/// Samples, directions and steps, in addition to the presets'.
+/// Samples, directions and steps to try, in addition to those of the presets.
 const EFFORTS: [(u32, u32, u32); 21] = [
     (64, 8, 30),
     (64, 16, 30),
@@ -41,8 +41,8 @@ const EFFORTS: [(u32, u32, u32); 21] = [
     (2048, 16, 60),
 ];
 
-/// The recipes around `base`, with its ranges, in a fixed order and each once. The presets at its layout, resolution
-/// and precision come first. Recipes and layouts that do not fit `base`'s ranges are left out.
+/// The recipes around `base`, with its ranges, in a fixed order and without duplicates. The presets with the layout,
+/// resolution and precision of `base` come first. Recipes and layouts that do not fit the ranges of `base` are omitted.
 #[must_use]
 pub fn family(base: &Recipe, size: Size, entry_limit: u64) -> Vec<Recipe> {
     let mut found = Collector { entry_limit, recipes: Vec::new() };
@@ -60,7 +60,7 @@ pub fn family(base: &Recipe, size: Size, entry_limit: u64) -> Vec<Recipe> {
             found.add(with_fit(&scaled(base, [*scale; 4]), *fit));
         }
     }
-    // A list of materials is not a range.
+    // The family keeps the ranges of `base`, and a list of materials has no ranges.
     let is_another = |layout: &&Layout| **layout != base.layout && !layout.is_of_materials();
     let other_layouts = Layout::ALL.iter().filter(is_another);
     let others: Vec<Recipe> = other_layouts.map(|layout| Recipe { layout: *layout, ..base.clone() }).collect();
@@ -101,13 +101,13 @@ pub fn family(base: &Recipe, size: Size, entry_limit: u64) -> Vec<Recipe> {
     found.recipes
 }
 
-/// The recipe with the effort of `fit`, and with the seed and solver of the base.
+/// The recipe with the effort of `fit`. It keeps the seed and solver of the base.
 fn with_fit(recipe: &Recipe, fit: FitSettings) -> Recipe {
     let FitSettings { metric, solver, seed, simplex, .. } = recipe.fit;
     Recipe { fit: FitSettings { metric, solver, seed, simplex, ..fit }, ..recipe.clone() }
 }
 
-/// The recipe with `scale` times as many nodes on each axis that has several.
+/// The recipe with `scale` times as many nodes on each axis with more than one node.
 fn scaled(recipe: &Recipe, scale: [f64; 4]) -> Recipe {
     let nodes = |n: u32, scale: f64| if n == 1 { 1 } else { ((f64::from(n) * scale).round() as u32).max(2) };
     let PerAxis { alpha, ratio, theta, phi } = recipe.resolution;
@@ -120,7 +120,7 @@ fn scaled(recipe: &Recipe, scale: [f64; 4]) -> Recipe {
     Recipe { resolution, ..recipe.clone() }
 }
 
-/// A list of recipes without duplicates. Each is checked like a submitted recipe.
+/// A list of recipes without duplicates. Each recipe passes the checks for submitted recipes.
 struct Collector {
     entry_limit: u64,
     recipes: Vec<Recipe>,
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn a_family_begins_with_the_presets_varies_everything_and_repeats_nothing() {
+    fn a_family_starts_with_the_presets_varies_everything_and_has_no_duplicates() {
         let base = base(r#"{"preset":"paper"}"#);
         for size in [Size::Quick, Size::Full] {
             let found = family(&base, size, DEFAULT_ENTRY_LIMIT);
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn a_single_value_stays_one_node_and_what_has_no_room_is_left_out() {
+    fn a_single_value_stays_one_node_and_recipes_over_the_limit_are_omitted() {
         let isotropic = base(
             r#"{"range":{"alpha":[0.01,0.5],"ratio":[1,1],"phi":[0,0]},"resolution":{"alpha":16,"theta":12},
                 "fit":{"seed":7}}"#,

@@ -9,21 +9,21 @@ use ltcforge_files::{
 };
 use ltcforge_fit::{Expectation, Layout, PerAxis, Precision, Recipe, Spread, expectation};
 
-/// Configurations at which every table of a family is measured: this many at nodes, and this many between nodes.
+/// The number of configurations at which each table is measured: this many at nodes, and this many between nodes.
 pub const POINTS: usize = 512;
 
-/// The measurements of a recipe.
+/// The measurements of a recipe's table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measurement {
-    /// Processor time of all threads of the fit, in seconds.
+    /// Processor time of the fit over all threads, in seconds.
     pub processor_seconds: f64,
     /// Wall-clock time, in seconds.
     pub wall_seconds: f64,
     /// Error between nodes, relative to the lobe's width.
     pub width: Spread,
-    /// Error between nodes, sliced Wasserstein distance.
+    /// Error between nodes: the sliced Wasserstein distance.
     pub sw1: Spread,
-    /// Absolute error of the reflected energy of random lights. Models are measured with the same lights.
+    /// Absolute error of the reflected energy of random lights. All models are measured with the same lights.
     pub light: Spread,
     /// Bytes of the compact form, if the table has one.
     pub compact_bytes: Option<u64>,
@@ -34,51 +34,52 @@ pub struct Measurement {
 pub struct FittedRecipe {
     /// The recipe's digest.
     pub recipe_digest: Digest,
-    /// The preset with this effort, if the row has the base recipe's layout, resolution and precision.
+    /// The preset with this effort. `None` if the row's layout, resolution or precision differs from the base recipe.
     pub preset: Option<&'static str>,
     /// Layout.
     pub layout: Layout,
-    /// Nodes on each axis.
+    /// Number of nodes on each axis.
     pub resolution: PerAxis<u32>,
-    /// Samples of the LTC.
+    /// Samples of the LTC per entry.
     pub samples: u32,
     /// Directions.
     pub directions: u32,
-    /// Most steps.
+    /// Largest number of steps of the solver.
     pub steps: u32,
     /// Number format.
     pub precision: Precision,
     /// Entries of the table.
     pub entries: u64,
-    /// Bytes of its matrices and terms.
+    /// Size of the matrices and terms in bytes.
     pub bytes: u64,
-    /// Bytes of its compact form, if it has one. A decoder rebuilds the table from this form.
+    /// Size of the compact form in bytes, if there is one. A decoder rebuilds the table from the compact form.
     pub compact_bytes: Option<u64>,
-    /// Processor time of the fit over the number of threads: its duration if each thread has a core.
+    /// Processor time of the fit divided by the number of threads. It is the duration of the fit if each thread has its
+    /// own core.
     pub seconds: f64,
-    /// Wall-clock time, which depends on the load of the machine.
+    /// Wall-clock time. It depends on the load of the machine.
     pub wall_seconds: f64,
     /// Mean error between nodes, relative to the lobe's width. The fronts use this error.
     pub error_mean: f64,
-    /// 95th percentile of this error.
+    /// 95th percentile of the error between nodes.
     pub error_p95: f64,
     /// Mean sliced Wasserstein distance between nodes.
     pub sw1_mean: f64,
-    /// 95th percentile of this distance.
+    /// 95th percentile of the sliced Wasserstein distance.
     pub sw1_p95: f64,
     /// Mean absolute error of the reflected energy of random lights.
     pub light_mean: f64,
-    /// 95th percentile of this error.
+    /// 95th percentile of the light's error.
     pub light_p95: f64,
     /// The prediction of `seconds`.
     pub predicted_seconds: f64,
     /// The prediction of `error_mean`.
     pub predicted_error: f64,
-    /// The fronts that the row is on.
+    /// The Pareto fronts that contain the row.
     pub on_front: Fronts,
 }
 
-/// The rows of a family that was fitted on `threads` threads, in the family's order.
+/// The rows for a family that was fitted on `threads` threads, in the order of the family.
 #[must_use]
 pub fn rows(base: &Recipe, fitted: &[(Recipe, Measurement)], threads: usize) -> Vec<FittedRecipe> {
     let mut rows: Vec<FittedRecipe> =
@@ -99,7 +100,7 @@ pub fn rows(base: &Recipe, fitted: &[(Recipe, Measurement)], threads: usize) -> 
     rows
 }
 
-/// Whether a row differs from the base recipe only by effort.
+/// Whether a row differs from the base recipe only in effort.
 fn is_base(base: &Recipe, row: &FittedRecipe) -> bool {
     (row.layout, row.resolution, row.precision) == (base.layout, base.resolution, base.precision)
 }

@@ -1,7 +1,7 @@
 //! Pareto fronts.
 
-/// Whether each of several `[price, error]` pairs is on the Pareto front. No other pair is as good in both numbers and
-/// better in one.
+/// For each `[price, error]` pair, whether it is on the Pareto front. A pair is on the front if no other pair is at
+/// least as good in both numbers and better in one.
 ///
 /// Domain: finite numbers.
 #[must_use]
@@ -12,7 +12,7 @@ pub fn front(pairs: &[[f64; 2]]) -> Vec<bool> {
         price_a.total_cmp(&price_b).then(error_a.total_cmp(&error_b))
     });
     let mut on_front = vec![false; pairs.len()];
-    // The best pair so far. An equal pair is also on the front.
+    // The best pair so far. A pair equal to it is also on the front.
     let mut best = [f64::NEG_INFINITY, f64::INFINITY];
     for index in order {
         let [price, error] = pairs[index];
@@ -24,15 +24,15 @@ pub fn front(pairs: &[[f64; 2]]) -> Vec<bool> {
     on_front
 }
 
-/// The fronts that a row of the trade-off is on.
+/// The Pareto fronts that contain a row of the trade-off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub struct Fronts {
-    /// Error against seconds, of all rows.
+    /// Error against seconds, over all rows.
     pub seconds: bool,
-    /// Error against bytes, of all rows.
+    /// Error against bytes, over all rows.
     pub bytes: bool,
-    /// Error against seconds, of the rows with the base recipe's layout, resolution and precision. Presets only choose
-    /// between these rows.
+    /// Error against seconds, over the rows with the base recipe's layout, resolution and precision. The presets choose
+    /// only among these rows.
     pub base: bool,
 }
 
@@ -42,7 +42,7 @@ mod tests {
 
     use super::*;
 
-    /// Few different values, so that equal prices, equal errors and equal pairs come up.
+    /// Pairs from few different values, so that equal prices, errors and pairs occur.
     fn pairs() -> impl Strategy<Value = Vec<[f64; 2]>> {
         let value = || (0_u32..12).prop_map(f64::from);
         prop::collection::vec((value(), value()).prop_map(|(price, error)| [price, error]), 0..40)
@@ -50,7 +50,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_front_is_what_nothing_dominates(pairs in pairs()) {
+        fn the_front_is_the_set_of_pairs_that_nothing_dominates(pairs in pairs()) {
             let dominates = |a: &[f64; 2], b: &[f64; 2]| a[0] <= b[0] && a[1] <= b[1] && a != b;
             let expected: Vec<bool> =
                 pairs.iter().map(|pair| !pairs.iter().any(|other| dominates(other, pair))).collect();

@@ -1,6 +1,6 @@
-//! Places for the names of points, so that names do not cover each other or a point.
+//! Positions for the names of points. Names cover neither each other nor a point.
 
-/// A box in the coordinates of a picture.
+/// A rectangle in picture coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Area {
     pub(super) left: f64,
@@ -10,7 +10,7 @@ pub(super) struct Area {
 }
 
 impl Area {
-    /// The part of this box that another covers, in units of area.
+    /// The area that this rectangle shares with another.
     fn overlap(&self, other: &Self) -> f64 {
         let length = |a: f64, a_size: f64, b: f64, b_size: f64| ((a + a_size).min(b + b_size) - a.max(b)).max(0.0);
         length(self.left, self.width, other.left, other.width) * length(self.top, self.height, other.top, other.height)
@@ -21,30 +21,30 @@ impl Area {
         Self { left: x - half, top: y - half, width: 2.0 * half, height: 2.0 * half }
     }
 
-    /// The box of the points within `half` of a horizontal or vertical line between two points.
+    /// The rectangle of all points within `half` of a horizontal or vertical line between two points.
     pub(super) fn along(a: [f64; 2], b: [f64; 2], half: f64) -> Self {
         let low = |axis: usize| a[axis].min(b[axis]) - half;
         let length = |axis: usize| (a[axis] - b[axis]).abs() + 2.0 * half;
         Self { left: low(0), top: low(1), width: length(0), height: length(1) }
     }
 
-    /// The squared distance from a point to the middle of this box.
+    /// The squared distance from a point to the centre of this rectangle.
     fn distance2(&self, [x, y]: [f64; 2]) -> f64 {
         (self.left + 0.5 * self.width - x).powi(2) + (self.top + 0.5 * self.height - y).powi(2)
     }
 }
 
-/// The distance between the places that are tried.
+/// The step between two tried positions.
 const STEP: f64 = 5.0;
 
-/// A place inside `frame` for each point's name: the nearest place to the point that does not cover a mark in `marks`
-/// or another name. `None` if there is no such place.
+/// A position inside `frame` for each point's name: the nearest position that does not cover one of `marks` or another
+/// name. `None` if there is no such position.
 pub(super) fn places(points: &[[f64; 2]], sizes: &[[f64; 2]], marks: &[Area], frame: &Area) -> Vec<Option<Area>> {
     let mut names: Vec<Area> = Vec::new();
     let found = points.iter().zip(sizes).map(|(point, size)| {
         let is_free = |area: &Area| names.iter().chain(marks).all(|other| area.overlap(other) == 0.0);
         let free = everywhere(frame, *size).filter(is_free);
-        // `min_by` keeps the first of equals.
+        // `min_by` returns the first of several equal minima.
         let place = free.min_by(|a, b| a.distance2(*point).total_cmp(&b.distance2(*point)));
         names.extend(place);
         place
@@ -52,7 +52,7 @@ pub(super) fn places(points: &[[f64; 2]], sizes: &[[f64; 2]], marks: &[Area], fr
     found.collect()
 }
 
-/// Boxes of `size` on a grid over `frame`.
+/// Rectangles of `size` on a grid over `frame`.
 fn everywhere(frame: &Area, [width, height]: [f64; 2]) -> impl Iterator<Item = Area> {
     let Area { left, top, .. } = *frame;
     let steps = [frame.width - width, frame.height - height].map(|room| (room / STEP).max(0.0) as u32);
@@ -73,7 +73,7 @@ mod tests {
     #[test]
     fn names_of_points_close_together_hide_neither_each_other_nor_a_point() {
         let frame = Area { left: 0.0, top: 0.0, width: 300.0, height: 300.0 };
-        // Four points on a vertical line at the right end.
+        // Four points on a vertical line near the right edge.
         let points = [[290.0, 100.0], [290.0, 106.0], [290.0, 109.0], [290.0, 110.0]];
         let marks = points.map(|point| Area::around(point, 5.0));
         let found = places(&points, &[[50.0, 14.0]; 4], &marks, &frame);
@@ -93,9 +93,9 @@ mod tests {
     }
 
     #[test]
-    fn a_crowd_leaves_names_further_away_and_a_full_frame_leaves_none() {
+    fn names_move_away_from_a_crowd_and_a_full_frame_has_no_names() {
         let frame = Area { left: 0.0, top: 0.0, width: 300.0, height: 300.0 };
-        // Marks all around the points, so that no place next to a point is free.
+        // Marks all around the points, so that no position next to a point is free.
         let marks: Vec<Area> =
             (0..400_u16).map(|i| Area::around([f64::from(i % 20) * 10.0, f64::from(i / 20) * 10.0], 5.0)).collect();
         assert_apart(&places(&[[90.0, 90.0]; 6], &[[50.0, 14.0]; 6], &marks, &frame), 6, &marks, &frame);

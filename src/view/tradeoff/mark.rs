@@ -1,4 +1,4 @@
-//! The mark of a point. Its shape and colour show the layout of a table, or the model of a closed form.
+//! The mark of a point in a chart. Its shape and colour show the layout of a table or the model of a closed form.
 
 use std::fmt::Write as _;
 
@@ -15,7 +15,7 @@ pub(super) enum Kind {
     ClosedForm(LightModel),
 }
 
-/// The mark of a table or a closed form; `classes` begin with a space.
+/// Writes the mark of a table or a closed form. `classes` must start with a space.
 pub(super) fn mark(out: &mut String, [x, y]: [f64; 2], kind: Kind, classes: &str) -> std::fmt::Result {
     let class = class(kind);
     match kind {
@@ -34,7 +34,7 @@ pub(super) fn mark(out: &mut String, [x, y]: [f64; 2], kind: Kind, classes: &str
     }
 }
 
-/// The mark of a closed form, and of the shipped size of a table.
+/// Writes a diamond: the mark of a closed form, and of a table's compact form.
 pub(super) fn diamond(out: &mut String, [x, y]: [f64; 2], kind: Kind, classes: &str) -> std::fmt::Result {
     writeln!(out, r#"<path class="{}{classes}" d="M{:.1} {y:.1}l4 -4l4 4l-4 4Z"/>"#, class(kind), x - MARK)
 }

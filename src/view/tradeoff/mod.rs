@@ -1,7 +1,7 @@
-//! The trade-off between speed, size and accuracy: the recipes, the Pareto fronts, and their documents and pictures. It
-//! also compares the models that light a surface: tables and closed forms.
+//! The trade-off between speed, size and accuracy: recipes, Pareto fronts, documents and pictures. It also compares the
+//! models that light a surface: tables and closed forms.
 //!
-//! Invariant: this module reads no clock and no file. Callers measure and pass the results.
+//! Invariant: this module reads neither a clock nor files. Callers measure, and pass the results.
 
 mod axis;
 mod chart;

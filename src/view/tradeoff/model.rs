@@ -10,46 +10,46 @@ use ltcforge_shaders::GpuCost;
 /// The number of random lights with which all models are measured.
 pub const LIGHTS: usize = 2048;
 
-/// A model that lights a surface, its cost and its error.
+/// A model that lights a surface, with its costs and its error.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ModelRow {
     /// The model.
     pub model: LightModel,
     /// The rule of model `normals`.
     pub rule: Option<NormalsRule>,
-    /// The layout of its table, if it uses one. Gaussians can use a table or a closed form.
+    /// The layout of the model's table, if it uses a table. Gaussians can use a table or a closed form.
     pub layout: Option<Layout>,
-    /// The recipe of its table. For model `ltc` it is a recipe of the family.
+    /// The recipe of the model's table. For model `ltc`, the recipe is from the family.
     pub recipe_digest: Option<Digest>,
     /// Absolute error of the reflected energy of random lights.
     pub light_error: Spread,
-    /// The cost of its shader on a GPU.
+    /// The cost of the model's shader on a GPU.
     pub gpu_cost: Option<GpuCost>,
-    /// Bytes that the shader reads on the GPU.
+    /// Bytes that the shader reads from GPU memory.
     pub gpu_bytes: u64,
     /// Bytes of the file that ships with a renderer.
     pub file_bytes: u64,
     /// Bytes of the shader in WGSL.
     pub shader_bytes: u64,
-    /// Processor time of the fit over the number of threads.
+    /// Processor time of the fit divided by the number of threads.
     pub fit_seconds: f64,
 }
 
-/// The models and their measurement.
+/// All models, and the conditions of the measurement.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ModelRows {
     /// The number of random lights, [`LIGHTS`].
     pub lights: usize,
-    /// The mean energy that a surface reflects of these lights.
+    /// The mean reflected energy of these lights.
     pub mean_energy: f64,
-    /// The compiler that reports the costs of shaders, [`COMPILER`](ltcforge_shaders::COMPILER).
+    /// The compiler that reports the cost of shaders, [`COMPILER`](ltcforge_shaders::COMPILER).
     pub compiler: &'static str,
     /// The models.
     pub rows: Vec<ModelRow>,
 }
 
 impl ModelRow {
-    /// Its name in pictures: the model, with its layout or rule if it has one.
+    /// The model's name in pictures. It includes the layout or the rule, if there is one.
     #[must_use]
     pub fn name(&self) -> String {
         match self.layout.map(Layout::name).or(self.rule.map(NormalsRule::name)) {
@@ -60,7 +60,7 @@ impl ModelRow {
 }
 
 impl ModelRows {
-    /// The models as a table of text, a line for each.
+    /// The models as a text table, with one line for each model.
     #[must_use]
     pub fn text(&self) -> String {
         let heads = ["error", "p95", "registers", "instructions", "GPU bytes", "file bytes", "WGSL bytes", "seconds"];
@@ -81,7 +81,7 @@ impl ModelRows {
         }
         let Self { lights, mean_energy, compiler, .. } = self;
         out + &format!(
-            "{lights} lights of mean energy {mean_energy:.3}; registers and instructions of one rectangle by {compiler}"
+            "{lights} lights of mean energy {mean_energy:.3}; registers and instructions per rectangle: {compiler}"
         )
     }
 }
@@ -90,8 +90,8 @@ fn line(name: &str, cells: [String; 8]) -> String {
     format!("{name:22}{}\n", cells.map(|cell| format!("{cell:>13}")).concat())
 }
 
-/// Whether a recipe's table represents model `ltc`: it has the base's resolution and precision and the effort of preset
-/// `paper`. A family has such a table of the base's layout, and a full family of each layout.
+/// Whether a recipe's table represents model `ltc`: it has the base's resolution and precision, and the effort of
+/// preset `paper`. A family has such a table for the base's layout, and a full family has one for each layout.
 #[must_use]
 pub fn stands_for_ltc(base: &Recipe, recipe: &Recipe) -> bool {
     let effort = |fit: &FitSettings| (fit.samples, fit.directions, fit.steps);
@@ -99,8 +99,8 @@ pub fn stands_for_ltc(base: &Recipe, recipe: &Recipe) -> bool {
     is_paper && (recipe.resolution, recipe.precision) == (base.resolution, base.precision)
 }
 
-/// The recipes of fitted Gaussians: `base` with the effort of preset `paper`, for each Gaussian lobe model that its
-/// layout can store.
+/// The recipes for tables of Gaussians. Each is `base` with the effort of preset `paper` and a Gaussian lobe model that
+/// the layout can store.
 #[must_use]
 pub fn fitted_gaussians(base: &Recipe) -> Vec<Recipe> {
     let lobes = LobeModel::ALL.iter().filter(|lobe| lobe.gaussian().is_some() && base.layout.stores(**lobe));
@@ -121,7 +121,7 @@ pub(super) mod tests {
     use ltcforge_shaders::COMPILER;
 
     #[test]
-    fn a_family_has_a_table_of_the_base_and_a_full_one_of_each_layout() {
+    fn a_family_has_a_table_for_the_base_and_a_full_family_for_each_layout() {
         for document in [r#"{"preset":"draft","precision":"f16"}"#, r#"{"layout":"kt2022"}"#] {
             let base = parse(document.as_bytes(), DEFAULT_ENTRY_LIMIT).expect("a recipe");
             let layouts = |size| -> Vec<Layout> {

@@ -1,5 +1,5 @@
-//! The picture of the trade-off: error against seconds and bytes, and the light of models and tables against
-//! instructions and bytes.
+//! The picture of the trade-off. One row of charts shows error against seconds and bytes. The other shows the light
+//! error of models and tables against instructions and bytes.
 
 use std::fmt::Write as _;
 
@@ -13,9 +13,10 @@ use ltcforge_fit::{Layout, Precision};
 
 const WIDTH: f64 = 1120.0;
 const HEIGHT: f64 = 960.0;
-/// Left ends of the charts in a row.
+/// Left edges of the charts in a row.
 const LEFT: [f64; 2] = [64.0, 624.0];
-/// The row of lobe errors. Errors beyond four times the least would take most of the axis.
+/// The row of lobe errors. Its axis ends at four times the least error, because larger errors would take most of the
+/// axis.
 const LOBES: Line = Line {
     top: 74.0,
     height: 420.0,
@@ -31,7 +32,7 @@ const LIGHT: Line = Line {
     most_error: f64::INFINITY,
 };
 
-/// Light and dark colours. The viewer's preference selects them.
+/// Light and dark colours. The viewer's colour preference selects one set.
 const STYLE: &str = include_str!("picture.css");
 
 /// The picture as SVG.
@@ -46,7 +47,7 @@ pub fn picture(rows: &[FittedRecipe], models: &ModelRows) -> String {
 fn write_picture(out: &mut String, rows: &[FittedRecipe], models: &ModelRows) -> std::fmt::Result {
     writeln!(
         out,
-        r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" height="{HEIGHT}" role="img" aria-label="Error against seconds and bytes, and the light of models against instructions and bytes">"#
+        r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" height="{HEIGHT}" role="img" aria-label="Error against seconds and bytes, and the light error of models against instructions and bytes">"#
     )?;
     writeln!(out, "<style>\n{STYLE}</style>")?;
     writeln!(out, r#"<rect class="paper" width="{WIDTH}" height="{HEIGHT}"/>"#)?;
@@ -73,7 +74,7 @@ fn write_picture(out: &mut String, rows: &[FittedRecipe], models: &ModelRows) ->
             line: LOBES,
             left: LEFT[0],
             title: "Error against seconds",
-            unit: "seconds of the fit, every thread on a core of its own",
+            unit: "seconds of the fit, one core per thread",
             points: by_seconds.collect(),
             write_tick: |tick| rounded(tick).to_string(),
         },
@@ -88,7 +89,7 @@ fn write_picture(out: &mut String, rows: &[FittedRecipe], models: &ModelRows) ->
         Chart {
             line: LIGHT,
             left: LEFT[0],
-            title: "Light against instructions",
+            title: "Light error against instructions",
             unit: "instructions of one rectangle on a GPU",
             points: light_by_instructions.collect(),
             write_tick: |tick| rounded(tick).to_string(),
@@ -121,7 +122,7 @@ fn write_legend(out: &mut String, rows: &[FittedRecipe]) -> std::fmt::Result {
         mark(out, [x, y], Kind::Table(*layout), "")?;
         text(out, x + 10.0, layout.name())?;
     }
-    // The other layouts are in the legend if the rows use them.
+    // Other layouts are in the legend only if the rows use them.
     for (column, layout) in
         (0..).zip(&Layout::ALL[2..]).filter(|(_, layout)| rows.iter().any(|row| row.layout == **layout))
     {
@@ -189,7 +190,7 @@ mod tests {
         assert!(!before.contains(&edge), "{before}");
         rows.push(row(2.0, 0.934, None));
         let svg = picture(&rows, &models());
-        // The charts of seconds and of bytes both show it.
+        // The charts for seconds and for bytes both show it.
         assert_eq!(svg.matches(&edge).count(), 2, "{svg}");
         // The other points still use most of the axis.
         let ticks = |svg: &str| svg.matches("class=\"grid\"").count();
@@ -211,7 +212,7 @@ mod tests {
         assert!(svg.contains(">0</text>") && !svg.contains("NaN") && !svg.contains("inf"), "{svg}");
     }
 
-    /// Left ends of the diamonds of model `normals` in a chart, and their heights.
+    /// Left edges of the diamonds of model `normals` in a chart, and their heights.
     fn diamonds(svg: &str, chart: usize) -> Vec<[f64; 2]> {
         let numbers = svg.lines().filter_map(|line| line.strip_prefix(r#"<path class="normals" d="M"#)).map(|rest| {
             let pair = rest.split('l').next().expect("a place");
@@ -221,7 +222,7 @@ mod tests {
         numbers.skip(3 * chart).take(3).collect()
     }
 
-    /// Lower marks have smaller errors, and marks further right are more expensive. Marks with price zero are at the
+    /// Lower marks have smaller errors, and marks further to the right cost more. Marks with price zero are at the
     /// left.
     #[test]
     fn marks_have_the_order_of_their_numbers() {

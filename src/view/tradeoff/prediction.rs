@@ -4,16 +4,16 @@ use serde::Serialize;
 
 use super::FittedRecipe;
 
-/// The quotients of measured over predicted values: least, median and greatest.
+/// The ratios of measured to predicted values: least, median and greatest.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct OffBy {
-    /// The quotients of seconds. Their common factor is the machine's speed.
+    /// The ratios of seconds. All have the machine's speed as a factor.
     pub seconds: [f64; 3],
-    /// The quotients of mean errors.
+    /// The ratios of mean errors.
     pub error: [f64; 3],
 }
 
-/// The quotients of the predictions of `rows`. Domain: at least one row.
+/// The ratios for the predictions of `rows`. Domain: at least one row.
 #[must_use]
 pub fn off_by(rows: &[FittedRecipe]) -> OffBy {
     let spread = |ratio: fn(&FittedRecipe) -> f64| {

@@ -4,12 +4,12 @@ use serde_json::{Value, json};
 
 use super::{FittedRecipe, ModelRows, POINTS};
 
-/// The columns, by their paths in a row's JSON. The name of a column is its path with underscores.
+/// The columns, as paths in a row's JSON. A column's name is its path with underscores.
 const COLUMNS: &str = "recipe_digest preset layout resolution/alpha resolution/ratio resolution/theta resolution/phi samples directions \
                        steps precision entries bytes compact_bytes seconds wall_seconds error_mean error_p95 sw1_mean sw1_p95 light_mean \
                        light_p95 predicted_seconds predicted_error on_front/seconds on_front/bytes on_front/base";
 
-/// A CSV with a header and a line per row. No field needs quotes.
+/// The rows as CSV, with a header. No field needs quotes.
 #[must_use]
 pub fn csv(rows: &[FittedRecipe]) -> String {
     let header = COLUMNS.replace("resolution/", "").replace('/', "_").replace(' ', ",");

@@ -19,15 +19,15 @@ use super::{
 
 /// Side of a lobe's picture in pixels.
 const SIDE: u32 = 150;
-/// Weights from the first matrix to the second.
+/// Weights of the second matrix in the interpolation.
 const WEIGHTS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
-/// The turn of the cosine under the second matrix, in radians. It does not change the distribution.
+/// The rotation of the cosine under the second matrix, in radians. It does not change the distribution.
 const TURN: f64 = 2.0;
-/// The constant of layout `kt2022`.
+/// The constant `FLATTEST` of layout `kt2022`.
 const FLATTEST: f64 = 1e-4;
 
-/// Draws the interpolation between two matrices of one distribution, and of two distributions, with and without
-/// alignment.
+/// Draws the interpolation between two matrices, with and without alignment: for two matrices of one distribution, and
+/// for two distributions.
 pub(super) fn draw() -> Result<Picture, FigureError> {
     let matrix = |alpha_x, alpha_y, theta, phi| {
         let wo = direction(theta, phi);
@@ -69,7 +69,7 @@ pub(super) fn draw() -> Result<Picture, FigureError> {
     Ok(headed(&[&[what]], &grid(&panels, WEIGHTS.len() as u32)))
 }
 
-/// The matrix as the paper stores it, with a third column of unit length.
+/// The matrix with a third column of unit length, as the paper stores it.
 fn normalised(m: DMat3) -> DMat3 {
     m * (1.0 / m.z_axis.length())
 }

@@ -18,17 +18,17 @@ use super::{
 
 /// Side of a lobe's picture in pixels.
 const SIDE: u32 = 176;
-/// The least alpha that is shown. Sharper lobes are too thin to see.
+/// The least alpha in the figure. Sharper lobes would be too thin to see.
 const LEAST_ALPHA: f64 = 0.1;
-/// The recipe of anisotropic lobes.
+/// The recipe for anisotropic lobes.
 const ANISOTROPIC: &str = r#"{"layout": "kt2022", "resolution": {"alpha": 5, "ratio": 4, "theta": 6, "phi": 5},
     "fit": {"samples": 256, "directions": 16}}"#;
-/// The recipe of isotropic lobes, whose matrices have zeros.
+/// The recipe for isotropic lobes. Their matrices contain zeros.
 const ISOTROPIC: &str = r#"{"layout": "ltc2017", "resolution": {"alpha": 16, "theta": 16},
     "fit": {"metric": "l3", "solver": "nelder_mead", "samples": 512, "directions": 16, "steps": 60}}"#;
 
-/// Draws the two pairs of neighbours in an anisotropic table for which one alignment is furthest behind the other. Text
-/// above them has the errors of all pairs, in this table and in an isotropic table.
+/// Draws two pairs of neighbours in an anisotropic table: for each alignment, the pair for which it is worst compared
+/// with the other. The text above them has the errors of all pairs, in this table and in an isotropic table.
 pub(super) fn draw() -> Result<Picture, FigureError> {
     let tables = [Halfway::of(ANISOTROPIC)?, Halfway::of(ISOTROPIC)?];
     let mut titled = Vec::new();
@@ -49,7 +49,7 @@ pub(super) fn draw() -> Result<Picture, FigureError> {
     Ok(headed(&lines, &grid(&panels, 5)))
 }
 
-/// The errors of a table as lines of text.
+/// The errors of a table as text.
 fn error_lines(table: &Halfway) -> [String; 3] {
     let PerAxis { alpha, ratio, theta, phi } = table.nodes;
     let (layout, different, pairs) = (table.layout, table.different, table.pairs.len());
@@ -72,8 +72,8 @@ fn error_lines(table: &Halfway) -> [String; 3] {
     ]
 }
 
-/// The panels of a pair: a node, the mean by our alignment, GGX halfway, the mean by equation 12, and the other node.
-/// All use the scale of GGX.
+/// The panels for a pair: a node, the mean by our alignment, GGX halfway, the mean by equation 12, and the other node.
+/// All panels use the scale of GGX.
 fn row(pair: &Pair, title: &str) -> Result<[(String, Picture, String); 5], FigureError> {
     let ([alpha_x, alpha_y], wo) = (pair.at.roughness(), pair.at.view());
     let ggx = Ggx { alpha_x, alpha_y };

@@ -1,10 +1,10 @@
-//! Curves in a frame: over two axes, or as polar graphs of a half plane.
+//! Curves in a frame with two axes, or as polar graphs of a half plane.
 
 use ltcforge::view::picture::{Anchor, GROUND, LINE, Picture, number, text_width, write};
 
 /// Side of the area within the axes in pixels.
 const SIDE: u32 = 288;
-/// Space for the numbers on the left and below, and for half of the last number.
+/// Space for the numbers at the left and at the bottom, and for half of the last number.
 const LEFT: u32 = 56;
 const BELOW: u32 = LINE + 8;
 const RIGHT: u32 = 16;
@@ -20,7 +20,7 @@ pub(super) struct Curve {
     pub(super) colour: [u8; 3],
 }
 
-/// The axes: their ranges, to the right and upwards, and their ticks.
+/// The axes: their ranges and ticks, for x and y.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Frame<'a> {
     pub(super) x: [f64; 2],
@@ -52,13 +52,13 @@ impl Frame<'_> {
         picture
     }
 
-    /// The place of a point within the axes, in pixels from their upper left corner.
+    /// The position of a point relative to the upper left corner of the axes, in pixels.
     fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let part = |value: f64, [low, high]: [f64; 2]| (value - low) / (high - low);
         [part(x, self.x) * f64::from(SIDE), (1.0 - part(y, self.y)) * f64::from(SIDE)]
     }
 
-    /// Draws a curve within the axes. Their upper left corner is at `left` and `top`.
+    /// Draws a curve within the axes, whose upper left corner is at `left` and `top`.
     fn stroke(&self, picture: &mut Picture, curve: &Curve, [left, top]: [u32; 2]) {
         let places: Vec<[f64; 2]> = curve.points.iter().map(|point| self.at(*point)).collect();
         let side = SIDE as usize;
@@ -88,7 +88,7 @@ impl Frame<'_> {
     }
 }
 
-/// The distance of a point from a line between two others.
+/// The distance from a point to the line segment between two other points.
 fn to_segment(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let (along, from) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
     let length2 = along[0] * along[0] + along[1] * along[1];
@@ -102,7 +102,7 @@ fn to_segment(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
 const DASH: u32 = 12;
 const GAP: u32 = 4;
 
-/// The names of curves in their colours, as wide as a frame and with equal gaps.
+/// The names of the curves in their colours. They are as wide as a frame, with equal gaps.
 pub(super) fn legend(width: u32, names: &[(&str, [u8; 3])]) -> Picture {
     let mut picture = Picture::filled(width, LINE + 4, GROUND);
     let own = |name: &str| GAP + DASH + GAP + text_width(name, width);
@@ -122,7 +122,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_curve_lies_where_its_numbers_say_and_not_beyond_the_axes() {
+    fn a_curve_follows_its_numbers_and_is_clipped_at_the_axes() {
         let frame = Frame { x: [0.0, 2.0], y: [0.0, 4.0], x_ticks: &[0.0, 2.0], y_ticks: &[4.0] };
         let colour = [250, 100, 30];
         let points = vec![[0.0, 1.0], [1.0, 1.0], [2.0, 9.0]];
@@ -136,7 +136,7 @@ mod tests {
         assert!(drawn.rgb.iter().filter(|pixel| **pixel == colour).count() > 300);
     }
 
-    /// The background shows beyond the last name. A name that is cut off would reach the last column of the picture.
+    /// There must be background after the last name. A cut-off name would reach the last column of the picture.
     #[test]
     fn names_of_curves_have_room() {
         let names: [(&str, [u8; 3]); 4] =

@@ -12,22 +12,22 @@ use ltcforge::{
 /// The reason that a figure could not be drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum FigureError {
-    /// A recipe of a figure is not valid in this version.
+    /// The recipe of a figure is invalid in this version.
     #[error(transparent)]
     Recipe(#[from] RecipeError),
-    /// The renderer's error.
+    /// The renderer failed.
     #[error(transparent)]
     Preview(#[from] PreviewError),
-    /// The light of a model.
+    /// The light of a model could not be computed.
     #[error(transparent)]
     Light(#[from] LightError),
-    /// The textures of a table.
+    /// A table has no textures of the requested layout.
     #[error(transparent)]
     Textures(#[from] NoTextures),
-    /// The picture as a PNG.
+    /// The picture could not be written as PNG.
     #[error(transparent)]
     Png(#[from] PngError),
-    /// A file that cannot be written.
+    /// A file could not be written.
     #[error("{}: {source}", .path.display())]
     File {
         /// The file.

@@ -10,17 +10,17 @@ use ltcforge::{
 
 use super::error::FigureError;
 
-/// The LTC with the least distance from a lobe.
+/// The LTC with the least distance to a lobe.
 pub(super) fn fitted(ggx: &Ggx, wo: DVec3) -> Result<FittedEntry, FigureError> {
     let mut go_on = || ControlFlow::Continue(());
     Fitter::new(&Preset::Paper.fit()).fit(ggx, wo, 0, &mut StopCheck::new(&mut go_on)).ok_or(FigureError::Stopped)
 }
 
-/// Steps of a simplex from an arbitrary start: far more than from a good start.
+/// Steps of the simplex from an arbitrary start. A good start needs far fewer.
 const STEPS: u32 = 400;
 
-/// Settings for searches from a given start. The paper's solver is a descent. Here the simplex minimises both metrics,
-/// so that only the metric differs.
+/// Settings for searches from a given start. The paper's solver is gradient descent. Here the simplex minimises both
+/// metrics, so the fits differ only in the metric.
 pub(super) fn from_any_start(metric: Metric) -> FitSettings {
     FitSettings {
         metric,
@@ -31,7 +31,7 @@ pub(super) fn from_any_start(metric: Metric) -> FitSettings {
     }
 }
 
-/// The plan of a recipe and its fitted entries, on the current rayon pool.
+/// The plan of a recipe, and its fitted entries. Fits run on the current rayon pool.
 pub(super) fn entries(recipe: &str) -> Result<(Plan, Vec<FittedEntry>), FigureError> {
     let plan = Plan::new(&parse(recipe.as_bytes(), DEFAULT_ENTRY_LIMIT)?);
     let entries = fit_entries(&plan, &|_| ControlFlow::Continue(())).ok_or(FigureError::Stopped)?;

@@ -1,4 +1,4 @@
-//! Gaussians that approximate GGX: normals, lobes in the plane of incidence, and errors of the light.
+//! Gaussians that approximate GGX: distributions of normals, lobes in the plane of incidence, and errors of the light.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -23,12 +23,12 @@ use super::curves::{Curve, Frame, legend};
 
 /// The roughness of each row of panels.
 const ROUGHNESSES: [f64; 2] = [0.25, 0.5];
-/// The views whose lobes are shown, in degrees.
+/// The views for which lobes are drawn, in degrees.
 const VIEWS: [f64; 2] = [0.0, 45.0];
-/// Points of a curve, and of the curve of errors.
+/// Points per curve, and per curve of errors.
 const POINTS: u32 = 360;
 const ERRORS: u32 = 12;
-/// The steepest view of errors, in degrees.
+/// The most grazing view for errors, in degrees.
 const STEEPEST: f64 = 85.0;
 
 const TRUE: [u8; 3] = [235, 235, 235];
@@ -38,13 +38,13 @@ const SG_WARP: [u8; 3] = [150, 200, 70];
 const ASG_WARP: [u8; 3] = [190, 110, 230];
 const VIEW: [u8; 3] = [110, 110, 110];
 
-/// A curve's name and colour, for each kind of graph.
+/// The names and colours of the curves in a graph.
 type Names = &'static [(&'static str, [u8; 3])];
 const OF_NORMALS: Names = &[("GGX", TRUE), ("Beckmann", ASG_WARP), ("Gaussian", SG_WARP), ("SG", SG)];
 const OF_LOBES: Names = &[("GGX", TRUE), ("sg", SG), ("asg", ASG), ("sg warp", SG_WARP), ("asg warp", ASG_WARP)];
 const OF_ERRORS: Names = &[("sg", SG), ("asg", ASG), ("sg warp", SG_WARP), ("asg warp", ASG_WARP)];
 
-/// The Gaussians of a surface, and the colours of their curves.
+/// The Gaussians for a surface, and the colours of their curves.
 const GAUSSIANS: [(Gaussian, Warp, [u8; 3]); 4] = [
     (Gaussian::Sg, Warp::Surface, SG_WARP),
     (Gaussian::Asg, Warp::Surface, ASG_WARP),
@@ -52,9 +52,9 @@ const GAUSSIANS: [(Gaussian, Warp, [u8; 3]); 4] = [
     (Gaussian::Asg, Warp::Visible, ASG),
 ];
 
-/// Draws for two roughnesses the distribution of normals with its Gaussian, the lobes of two views as polar graphs, and
-/// the mean error of `count` random lights against the angle of view. Measures on the current rayon pool, whose size
-/// does not change the picture.
+/// Draws three graphs for each of two roughnesses: the distribution of normals with its Gaussian, the lobes of two
+/// views as polar graphs, and the mean error of `count` random lights against the view angle. Runs on the current rayon
+/// pool, whose size does not change the picture.
 ///
 /// # Errors
 /// None: all surfaces are valid.
@@ -81,14 +81,13 @@ pub(super) fn draw(count: usize) -> Result<Picture, LightError> {
     Ok(headed(&[&[what], &[how]], &grid(&panels, 4)))
 }
 
-/// Even steps from `low` to `high`.
+/// Evenly spaced values from `low` to `high`.
 fn steps([low, high]: [f64; 2], count: u32) -> impl Iterator<Item = f64> {
     (0..=count).map(move |i| low + (high - low) * f64::from(i) / f64::from(count))
 }
 
-/// The distributions of normals over the angle from the surface's normal: GGX, Beckmann
-/// `exp(-tan^2 / a^2) / (pi a^2 cos^4)`, the Gaussian `exp(-angle^2 / a^2) / (pi a^2)`, and the spherical Gaussian
-/// `exp(2 (cos - 1) / a^2) / (pi a^2)`.
+/// The distributions of normals by angle from the surface's normal: GGX, Beckmann `exp(-tan^2 / a^2) / (pi a^2 cos^4)`,
+/// the Gaussian `exp(-angle^2 / a^2) / (pi a^2)`, and the spherical Gaussian `exp(2 (cos - 1) / a^2) / (pi a^2)`.
 fn normals(alpha: f64) -> Picture {
     let ggx = Ggx { alpha_x: alpha, alpha_y: alpha };
     let peak = 1.0 / (PI * alpha * alpha);
@@ -117,7 +116,7 @@ fn normals(alpha: f64) -> Picture {
     frame.draw(&curves)
 }
 
-/// The lobes seen from the left, as distances from the middle of the surface.
+/// The lobes for a view from the left, as distances from the middle of the surface.
 fn lobes(alpha: f64, theta: f64) -> Picture {
     let ggx = Ggx { alpha_x: alpha, alpha_y: alpha };
     let wo = direction(theta, PI);
@@ -142,14 +141,14 @@ fn lobes(alpha: f64, theta: f64) -> Picture {
     Frame { x: [-1.2, 1.2], y: [-0.2, 2.2], x_ticks: &[-1.0, 0.0, 1.0], y_ticks: &[0.0, 1.0] }.draw(&curves)
 }
 
-/// `D G2 / (4 cos_o)`, the reflection per steradian for a Fresnel factor of one.
+/// `D G2 / (4 cos_o)`: the reflected light per steradian, for a Fresnel factor of one.
 fn density(ggx: &Ggx, wo: DVec3, wi: DVec3) -> f64 {
     let g2 = ggx.g2_over_g1(wo, wi) / (1.0 + ggx.smith_lambda(wo));
     ggx.distribution((wo + wi).normalize()) * g2 / (4.0 * wo.z)
 }
 
-/// The mean error of light against the angle of view in degrees, for surfaces with this roughness along x and any
-/// ratio.
+/// The mean error of light against the view angle in degrees, for surfaces with this roughness along x and random
+/// ratios.
 fn errors(alpha: f64, count: usize) -> Result<Picture, LightError> {
     let thetas: Vec<f64> = steps([0.0, STEEPEST], ERRORS).collect();
     let at = |degrees: &f64| -> Result<Vec<f64>, LightError> {
@@ -178,17 +177,17 @@ mod tests {
     #[test]
     fn the_picture_shows_every_curve_and_is_reproducible() {
         let drawn = draw(2).expect("surfaces");
-        assert!(drawn == draw(2).expect("surfaces"), "another picture the second time");
+        assert!(drawn == draw(2).expect("surfaces"), "the second picture differs");
         let count = |colour: [u8; 3]| drawn.rgb.iter().filter(|pixel| **pixel == colour).count();
         for colour in [TRUE, SG, ASG, SG_WARP, ASG_WARP, VIEW] {
             assert!(count(colour) > 200, "{colour:?}: {}", count(colour));
         }
-        assert!(drawn != draw(3).expect("surfaces"), "no error is measured");
+        assert!(drawn != draw(3).expect("surfaces"), "the number of lights does not change the errors");
     }
 
-    /// The scales of the panels need this equality.
+    /// The scales of the panels depend on this equality.
     #[test]
-    fn lobes_reflect_what_visible_normals_do() {
+    fn lobes_reflect_the_light_of_visible_normals() {
         let ggx = Ggx { alpha_x: 0.25, alpha_y: 0.25 };
         let (wo, count) = (direction(1.0, PI), 300_u32);
         let step = FRAC_PI_2 / f64::from(count);

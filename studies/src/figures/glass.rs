@@ -1,4 +1,4 @@
-//! Lamps behind rough glass: the closed form compared with Monte Carlo integration.
+//! Compares the closed form with Monte Carlo integration, for lamps behind rough glass.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -9,17 +9,17 @@ use ltcforge::{
     view::picture::{Panel, Picture, bar, caption, grid, headed, number, signed_colour, srgb},
 };
 
-/// The index of the glass relative to air.
+/// The refractive index of the glass relative to air.
 const ETA: f64 = 1.5;
 /// Roughness along x and y of each row of panels: satin, frosted, brushed.
 const SURFACES: [[f64; 2]; 3] = [[0.1, 0.1], [0.35, 0.35], [0.5, 0.06]];
-/// Half the side of the visible surface, and the height of the eye above its middle.
+/// Half the side of the visible surface, and the height of the eye above its centre.
 const HALF: f64 = 1.0;
 const EYE: f64 = 2.5;
-/// The factor on the shown difference.
+/// The factor on the difference in the picture.
 const STRONGER: f32 = 100.0;
 
-/// A lamp in the glass: corners, and its basic radiance.
+/// A lamp inside the glass: its corners and its basic radiance.
 struct Lamp {
     corners: [[f64; 3]; 4],
     radiance: [f32; 3],
@@ -41,25 +41,25 @@ const LAMPS: [Lamp; 3] = [
     },
 ];
 
-/// The picture, and the mean error of each surface.
+/// The picture, and the mean error for each surface.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FrostedGlass {
-    /// A row of panels for each surface.
+    /// The picture, with one row of panels per surface.
     pub(super) picture: Picture,
     /// The error of each surface.
     pub(super) surfaces: Vec<GlassError>,
 }
 
-/// The difference between the closed form and Monte Carlo integration for one surface.
+/// The error of the closed form against Monte Carlo integration, for one surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct GlassError {
-    /// Mean of the reference over pixels and colours.
+    /// Mean radiance of the reference over pixels and colours.
     pub(super) mean_radiance: f64,
     /// Mean absolute difference from the reference.
     pub(super) mean_absolute_error: f64,
 }
 
-/// Draws panels of `side` pixels, with `samples` visible normals per pixel in the reference. Runs on the current rayon
+/// Draws panels of `side` pixels. The reference uses `samples` visible normals per pixel. Runs on the current rayon
 /// pool, whose size does not change the picture.
 pub(super) fn draw(side: u32, samples: usize) -> FrostedGlass {
     let rows = SURFACES.map(|alpha| row(alpha, side, samples));
@@ -109,12 +109,12 @@ fn row(alpha: [f64; 2], side: u32, samples: usize) -> Row {
     Row { pictures, error }
 }
 
-/// Radiance towards the eye by the closed form and by the reference, in the units of the lamps.
+/// Radiance towards the eye, by the closed form and by the reference.
 fn pixel(alpha: [f64; 2], column: u32, row: u32, side: u32, samples: usize) -> [[f32; 3]; 2] {
     let at = |k: u32| HALF * (2.0 * (f64::from(k) + 0.5) / f64::from(side) - 1.0);
     let place = DVec3::new(at(column), -at(row), 0.0);
     let wo = (DVec3::new(0.0, 0.0, EYE) - place).normalize().to_array();
-    // Neighbouring pixels have different noise.
+    // Neighbouring pixels get different noise.
     let shift =
         [0.754_877_666_246_693, 0.569_840_290_998_053].map(|step| (f64::from(row * side + column) * step).fract());
     let mut sums = [[0.0; 3]; 2];
@@ -142,6 +142,6 @@ mod tests {
         for GlassError { mean_radiance, mean_absolute_error } in &drawn.surfaces {
             assert!(*mean_radiance > 0.05 && *mean_absolute_error < 0.02 * mean_radiance, "{:?}", drawn.surfaces);
         }
-        assert!(drawn == draw(24, 2000), "another picture the second time");
+        assert!(drawn == draw(24, 2000), "the second picture differs");
     }
 }

@@ -1,4 +1,4 @@
-//! The error of lobes halfway between two nodes of a table, by two alignments.
+//! The error of lobes halfway between two nodes of a table, for two alignments.
 
 use glam::DMat3;
 use ltcforge::fit::{
@@ -11,59 +11,59 @@ use rayon::prelude::*;
 
 use super::{error::FigureError, fits::entries, nearest::Nearest};
 
-/// The constant of layout `kt2022`.
+/// The constant `FLATTEST` of layout `kt2022`.
 const FLATTEST: f64 = 1e-4;
-/// The least difference of entries that are aligned differently.
+/// Entries whose matrices differ by at least this are aligned differently.
 const DIFFERENT: f64 = 0.01;
 
 /// The two alignments.
 pub(super) const OURS: usize = 0;
 pub(super) const NEAREST: usize = 1;
 
-/// A pair of neighbouring nodes, and the lobe halfway.
+/// A pair of neighbouring nodes, and the lobe halfway between them.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pair {
-    /// The configuration halfway.
+    /// The configuration halfway between the nodes.
     pub(super) at: PerAxis<f64>,
-    /// The matrices of both nodes by either alignment, with third columns of unit length.
+    /// For each alignment, the matrices of both nodes, with third columns of unit length.
     pub(super) nodes: [[DMat3; 2]; 2],
-    /// Sliced Wasserstein distance between GGX and the lobe of their mean, by either alignment.
+    /// For each alignment, the sliced Wasserstein distance between GGX and the lobe of the mean matrix.
     pub(super) errors: [f64; 2],
 }
 
 impl Pair {
-    /// The matrix halfway by one of the alignments.
+    /// The matrix halfway between the nodes, for an alignment.
     pub(super) fn mean(&self, alignment: usize) -> DMat3 {
         let [first, second] = self.nodes[alignment];
         (first + second) * 0.5
     }
 
-    /// The determinant halfway, over the smaller determinant of the nodes.
+    /// The determinant halfway, divided by the smaller determinant of the two nodes.
     fn determinant(&self, alignment: usize) -> f64 {
         let [first, second] = self.nodes[alignment].map(|m| m.determinant());
         self.mean(alignment).determinant() / if first.abs() < second.abs() { first } else { second }
     }
 
-    /// Whether only one node's matrix is mirrored.
+    /// Whether exactly one of the two matrices is mirrored.
     fn is_mirrored(&self, alignment: usize) -> bool {
         let [first, second] = self.nodes[alignment].map(|m| m.determinant());
         first * second < 0.0
     }
 }
 
-/// All pairs of neighbours of a table.
+/// All pairs of neighbours in a table.
 #[derive(Debug)]
 pub(super) struct Halfway {
     pub(super) layout: Layout,
-    /// Nodes on each axis.
+    /// Number of nodes on each axis.
     pub(super) nodes: PerAxis<usize>,
-    /// The number of nodes that the alignments give different matrices.
+    /// The number of nodes for which the alignments give different matrices.
     pub(super) different: usize,
     pub(super) pairs: Vec<Pair>,
 }
 
 impl Halfway {
-    /// Fits the table of a recipe and measures it, on the current rayon pool. Domain: a recipe of GGX.
+    /// Fits the table of a recipe and measures it, on the current rayon pool. Domain: a recipe for GGX.
     pub(super) fn of(recipe: &str) -> Result<Self, FigureError> {
         let (plan, entries) = entries(recipe)?;
         let nearest = Nearest::new();
@@ -101,29 +101,29 @@ impl Halfway {
         })
     }
 
-    /// The mean error by one of the alignments.
+    /// The mean error for an alignment.
     pub(super) fn mean(&self, alignment: usize) -> f64 {
         self.pairs.iter().map(|pair| pair.errors[alignment]).sum::<f64>() / self.pairs.len() as f64
     }
 
-    /// The least determinant halfway over the smaller determinant of the nodes, of pairs that are not mirrored.
+    /// The least value of [`Pair::determinant`], over pairs that are not mirrored.
     pub(super) fn least_determinant(&self, alignment: usize) -> f64 {
         let upright = self.pairs.iter().filter(|pair| !pair.is_mirrored(alignment));
         upright.map(|pair| pair.determinant(alignment)).fold(f64::INFINITY, f64::min)
     }
 
-    /// The number of pairs with one mirrored matrix.
+    /// The number of pairs with exactly one mirrored matrix.
     pub(super) fn mirrored(&self, alignment: usize) -> usize {
         self.pairs.iter().filter(|pair| pair.is_mirrored(alignment)).count()
     }
 
-    /// The largest ratio of a pair's errors, by this alignment over the other alignment.
+    /// The largest error of a pair with this alignment, relative to its error with the other alignment.
     pub(super) fn most_times(&self, alignment: usize) -> f64 {
         self.pairs.iter().map(|pair| pair.errors[alignment] / pair.errors[1 - alignment]).fold(0.0, f64::max)
     }
 
-    /// The pair with the largest ratio of errors, by this alignment over the other alignment, and with a roughness of
-    /// at least `least_alpha` halfway.
+    /// The pair for which this alignment is worst compared with the other alignment. Its roughness halfway is at least
+    /// `least_alpha`.
     pub(super) fn furthest_behind(&self, alignment: usize, least_alpha: f64) -> Option<&Pair> {
         let behind = |pair: &Pair| pair.errors[alignment] / pair.errors[1 - alignment];
         let rough = self.pairs.iter().filter(|pair| pair.at.roughness()[1] >= least_alpha);
@@ -131,7 +131,7 @@ impl Halfway {
     }
 }
 
-/// The indices of nodes that are neighbours along one axis.
+/// The index pairs of nodes that are neighbours along one axis.
 fn neighbours(plan: &Plan) -> Vec<[usize; 2]> {
     let PerAxis { alpha, ratio, theta, phi } = plan.nodes().lengths();
     let axes = [(alpha, ratio * theta * phi), (ratio, theta * phi), (theta, phi), (phi, 1)];
@@ -142,7 +142,7 @@ fn neighbours(plan: &Plan) -> Vec<[usize; 2]> {
     axes.into_iter().flat_map(along).collect()
 }
 
-/// The configuration halfway between two nodes, in the variables of the layout's textures.
+/// The configuration halfway between two nodes, in the texture coordinates of the layout.
 fn between(layout: Layout, a: &PerAxis<f64>, b: &PerAxis<f64>) -> PerAxis<f64> {
     let mean = |a: f64, b: f64| 0.5 * (a + b);
     let middle = PerAxis {
@@ -167,11 +167,11 @@ mod tests {
     const SMALL: &str = r#"{"layout": "kt2022", "resolution": {"alpha": 2, "ratio": 2, "theta": 3, "phi": 3},
         "fit": {"samples": 64, "directions": 4, "steps": 20}}"#;
 
-    /// `M R_z F` has the product `M M^T` of `M`.
+    /// `M R_z F` and `M` have the same product `M M^T`.
     #[test]
-    fn both_alignments_have_the_same_lobes_at_nodes_and_others_halfway() {
+    fn alignments_have_equal_lobes_at_nodes_and_different_lobes_halfway() {
         let table = Halfway::of(SMALL).expect("fits");
-        // Pairs along alpha, ratio, theta and phi.
+        // The numbers of pairs along alpha, ratio, theta and phi.
         assert_eq!(table.pairs.len(), 18 + 18 + 24 + 24);
         assert!(table.different > 0 && table.different < 36, "{}", table.different);
         for Pair { nodes: [ours, nearest], errors, .. } in &table.pairs {
@@ -191,7 +191,7 @@ mod tests {
         assert_eq!(table.mirrored(OURS), 0);
     }
 
-    /// The mean of a matrix and a mirrored matrix is flat.
+    /// The mean of a matrix and its mirrored matrix is flat.
     #[test]
     fn mirrored_neighbours_are_found() {
         let at = PerAxis { alpha: 0.5, ratio: 1.0, theta: 0.3, phi: 0.0 };
@@ -204,12 +204,12 @@ mod tests {
     }
 
     #[test]
-    fn halfway_is_in_the_middle_of_texels() {
+    fn halfway_is_the_middle_between_texels() {
         let node = |alpha, theta| PerAxis { alpha, ratio: 1.0, theta, phi: 0.0 };
         let (first, second) = (node(0.04, 0.0), node(0.36, libm::acos(0.36)));
         let even = between(Layout::Kt2022, &first, &second);
         assert!((even.alpha - 0.2).abs() < 1e-12 && (even.theta - 0.5 * second.theta).abs() < 1e-12);
-        // Roots 0.2 and 0.6, and 0 and 0.8.
+        // The square roots are 0.2 and 0.6, and 0 and 0.8.
         let warped = between(Layout::Ltc2017, &first, &second);
         assert!((warped.alpha - 0.16).abs() < 1e-12 && (libm::cos(warped.theta) - 0.84).abs() < 1e-12);
     }

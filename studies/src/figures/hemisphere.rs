@@ -1,4 +1,4 @@
-//! A distribution over the hemisphere, with a view from above.
+//! A distribution over the hemisphere, seen from above.
 
 use glam::DVec3;
 use ltcforge::view::picture::{Picture, colour};
@@ -6,12 +6,13 @@ use rayon::prelude::*;
 
 /// The colour outside the hemisphere.
 const BESIDE: [u8; 3] = [48, 48, 48];
-/// Samples along a pixel's side. Their mean is the pixel's colour, because lobes can be thinner than a pixel.
+/// Samples along a pixel's side. The pixel's colour is their mean, because lobes can be thinner than a pixel.
 const PLACES: u32 = 4;
-/// The power of shown densities, so that the tails of a peak are visible.
+/// The exponent for displayed densities. It makes the tails of a peak visible.
 const POWER: f64 = 0.5;
 
-/// The density of every direction above the surface, x to the right and y up. The colour bar ends at `peak`.
+/// A picture of the density for every direction above the surface, with x to the right and y upwards. The colour bar
+/// ends at `peak`.
 pub(super) fn hemisphere(side: u32, peak: f64, density: impl Fn(DVec3) -> f64 + Sync) -> Picture {
     let rgb = (0..side * side).into_par_iter().map(|index| {
         let (column, row) = (index % side, index / side);
@@ -36,7 +37,7 @@ pub(super) fn hemisphere(side: u32, peak: f64, density: impl Fn(DVec3) -> f64 + 
     Picture { width: side, height: side, rgb: rgb.collect() }
 }
 
-/// The largest density that [`hemisphere`] shows.
+/// The largest density in the picture of [`hemisphere`].
 pub(super) fn peak(side: u32, density: impl Fn(DVec3) -> f64 + Sync) -> f64 {
     let count = side * PLACES;
     let at = |i: u32| 2.0 * (f64::from(i) + 0.5) / f64::from(count) - 1.0;

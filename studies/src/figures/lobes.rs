@@ -1,4 +1,4 @@
-//! Figure 13: eight lobes of GGX next to their LTCs.
+//! Figure 13: eight GGX lobes next to their LTCs.
 
 use glam::DVec3;
 use ltcforge::{
@@ -31,7 +31,7 @@ const CONFIGURATIONS: [[f64; 4]; 8] = [
     [0.50, 0.01, 66.0, 316.0],
 ];
 
-/// Draws both lobes of each configuration, at the scale of GGX.
+/// Draws both lobes of each configuration, on the scale of GGX.
 pub(super) fn draw() -> Result<Picture, FigureError> {
     let mut titled = Vec::new();
     for [alpha_x, alpha_y, theta, phi] in CONFIGURATIONS {

@@ -1,4 +1,4 @@
-//! Figure 4: lobes fitted by two metrics, from good and from bad starts.
+//! Figure 4: lobes fitted with two metrics, from good and from bad starts.
 
 use std::ops::ControlFlow;
 
@@ -21,7 +21,7 @@ use super::{
 /// Side of a lobe's picture in pixels.
 const SIDE: u32 = 176;
 
-/// A lobe, and the start of both searches as a matrix in the lobe's frame.
+/// A lobe, and the start of both searches as a matrix in the frame of the lobe.
 struct Case {
     name: &'static str,
     alpha: f64,
@@ -41,7 +41,7 @@ const CASES: [Case; 3] = [
     Case { name: "(c) diffuse, sharp lobe", alpha: 0.03, theta: 0.6, start: DMat3::IDENTITY },
 ];
 
-/// Draws for each case the start, the fits by both metrics, and the lobe, at the scale of the lobe.
+/// For each case, draws the start, the fits with both metrics, and the lobe, on the scale of the lobe.
 pub(super) fn draw() -> Result<Picture, FigureError> {
     let mut titled = Vec::new();
     for Case { name, alpha, theta, start } in CASES {

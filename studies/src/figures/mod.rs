@@ -1,7 +1,7 @@
-//! The figures of the docs: figures of the paper on anisotropic LTCs [KT et al. 2022] and of the notes on the isotropic
-//! fit, drawn from our own fits, and figures of Gaussians and rough glass.
+//! The figures of the docs. Figures of the paper on anisotropic LTCs [KT et al. 2022] and of the notes on the isotropic
+//! fit are drawn from our own fits. Other figures show Gaussians and rough glass.
 //!
-//! Invariant: equal calls give equal bytes on the same adapter. All figures except spheres have equal bytes on every
+//! Invariant: equal calls give equal bytes on the same adapter. Figures without spheres have equal bytes on every
 //! machine.
 
 mod alignment;
@@ -34,17 +34,17 @@ use ltcforge::{
 pub use error::FigureError;
 
 named_list! {
-    /// A figure: of the paper in its order, of the notes, or of other documents.
+    /// A figure: of the paper, of the notes, or of other documents.
     pub enum Figure {
-        /// Artefacts, each without one remedy.
+        /// Artefacts, each from one missing remedy.
         Figure3 = "figure_3",
-        /// Lobes fitted by two metrics, from good and from bad starts.
+        /// Lobes fitted with two metrics, from good and from bad starts.
         Figure4 = "figure_4",
         /// Interpolation of matrices with and without alignment.
         Figure7 = "figure_7",
-        /// Spheres by tables of few and of many nodes.
+        /// Spheres lit by tables with few and with many nodes.
         Figure12 = "figure_12",
-        /// Eight lobes of GGX next to their LTCs.
+        /// Eight GGX lobes next to their LTCs.
         Figure13 = "figure_13",
         /// The contents and sizes of tables of several layouts.
         Table1 = "table_1",
@@ -56,7 +56,7 @@ named_list! {
         Notes2 = "notes_2",
         /// The notes' figure 3: shear along z.
         Notes3 = "notes_3",
-        /// The notes' figure 4: skews by independent searches and by warm starts.
+        /// The notes' figure 4: skews from independent searches and from warm starts.
         Notes4 = "notes_4",
         /// The notes' figure 5: the order of warm starts.
         Notes5 = "notes_5",
@@ -67,9 +67,9 @@ named_list! {
     }
 }
 
-/// Random lights for each point of a curve of the figure of Gaussians.
+/// Random lights for each point of a curve in the figure of Gaussians.
 const GAUSSIAN_LIGHTS: usize = 150;
-/// Side of each panel of glass in pixels, and visible normals per pixel of its reference.
+/// Side of each panel of rough glass in pixels, and visible normals per pixel of its reference.
 const GLASS_SIDE: u32 = 192;
 const GLASS_SAMPLES: usize = 610;
 
@@ -94,11 +94,11 @@ impl Drawn {
 }
 
 impl Figure {
-    /// Fits the lobes or tables of the figure on the current rayon pool, and draws it. Figure 12 takes a minute, the
-    /// others seconds.
+    /// Fits the lobes or tables of the figure on the current rayon pool, and draws it. Figure 12 takes a minute. The
+    /// others take seconds.
     ///
     /// # Errors
-    /// The errors of the renderer of spheres.
+    /// The errors of the renderer for spheres.
     pub fn draw(self, preview: &mut Preview) -> Result<Drawn, FigureError> {
         let picture = match self {
             Self::Figure3 => remedies::draw(preview)?,
@@ -119,7 +119,7 @@ impl Figure {
         Ok(Drawn::Picture(picture))
     }
 
-    /// Draws the figure and writes it into a folder under its name.
+    /// Draws the figure and writes it to a file in a folder. The file has the name of the figure.
     ///
     /// # Errors
     /// The errors of [`Figure::draw`] and of the file system.

@@ -1,16 +1,16 @@
-//! The alignment of the paper (equation 12).
+//! The paper's alignment (equation 12).
 
 use std::f64::consts::TAU;
 
 use glam::{DMat3, DVec3};
 use ltcforge::fit::math::{Lattice, cosine_hemisphere, sin_cos};
 
-/// Directions of a cosine.
+/// Sample directions of a cosine.
 const SAMPLES: usize = 64;
-/// Angles of a whole turn.
+/// Angles of a full turn.
 const ANGLES: u32 = 720;
 
-/// The paper's alignment: samples of a cosine, and the turns of the search.
+/// The paper's alignment: samples of a cosine, and the angles of the search.
 #[derive(Debug)]
 pub(super) struct Nearest {
     samples: Vec<DVec3>,
@@ -28,15 +28,15 @@ impl Nearest {
     }
 
     /// The mean squared distance by which a matrix moves the samples of a cosine, `E |M w / |M w| - w|^2` [KT et al.
-    /// 2022, equation 12]. Domain: `m` regular.
+    /// 2022, equation 12]. Domain: `m` is regular.
     pub(super) fn distance(&self, m: &DMat3) -> f64 {
         let moved = |w: &DVec3| ((*m * *w).normalize() - *w).length_squared();
         self.samples.iter().map(moved).sum::<f64>() / self.samples.len() as f64
     }
 
-    /// The matrix `M R_z F` with the least [`Nearest::distance`], by a linear search over the angle of `R_z` as in the
-    /// paper. All these matrices have the same distribution. Two of the four flips `F` are enough, because the others
-    /// differ by half a turn. Among equal matrices it is the first.
+    /// The matrix `M R_z F` with the least [`Nearest::distance`], found by a linear search over the angle of `R_z` as
+    /// in the paper. All these matrices have the same distribution. Two of the four flips `F` are enough, because the
+    /// other two differ from them by half a turn. If several matrices are equally near, it returns the first.
     pub(super) fn align(&self, m: &DMat3) -> DMat3 {
         let candidates = [1.0, -1.0].into_iter().flat_map(|flip| self.angles.iter().map(move |angle| (flip, *angle)));
         let turned = candidates.map(|(flip, (sin, cos))| {
@@ -55,7 +55,7 @@ impl Nearest {
 mod tests {
     use super::*;
 
-    /// A lobe around a direction 0.6 from the normal.
+    /// A lobe around a direction that is 0.6 radians from the normal.
     fn lobe() -> DMat3 {
         DMat3::from_rotation_y(0.6) * DMat3::from_diagonal(DVec3::new(0.5, 0.2, 1.0))
     }
@@ -65,21 +65,21 @@ mod tests {
     }
 
     #[test]
-    fn a_turned_and_flipped_matrix_comes_back() {
+    fn turned_and_flipped_matrices_are_restored() {
         let nearest = Nearest::new();
         assert!(apart(&nearest.align(&DMat3::IDENTITY), &DMat3::IDENTITY) == 0.0);
         let aligned = nearest.align(&lobe());
         for (angle, flips) in [(1.0, [1.0, 1.0]), (2.5, [-1.0, 1.0]), (-0.7, [1.0, -1.0]), (4.0, [-1.0, -1.0])] {
             let flip = DMat3::from_diagonal(DVec3::new(flips[0], flips[1], 1.0));
             let other = nearest.align(&(lobe() * DMat3::from_rotation_z(angle) * flip));
-            // The tolerance is a step of the search.
+            // The tolerance is one step of the search.
             assert!(apart(&other, &aligned) < TAU / f64::from(ANGLES), "turned by {angle}, {flips:?}");
         }
     }
 
-    /// The test searches all four flips and other angles.
+    /// This test tries all four flips, and angles other than those of the search.
     #[test]
-    fn no_other_matrix_of_the_distribution_is_nearer() {
+    fn no_other_matrix_of_the_same_distribution_is_nearer() {
         let nearest = Nearest::new();
         let turned = lobe() * DMat3::from_rotation_z(1.3);
         let least = nearest.distance(&nearest.align(&turned));

@@ -1,9 +1,9 @@
-//! Figure 3: artefacts, each without one remedy.
+//! Figure 3: artefacts, each from one missing remedy.
 //!
-//! Our solver makes none of the artefacts: it starts at the lobe, does not turn the cosine under a matrix, and its
-//! samples are as symmetric as the lobe. Therefore each matrix of (b) is turned by another angle here, as a solver of
-//! nine numbers may do. The published descent fits (a) and (c). It starts far from the lobe, and its samples are
-//! random.
+//! Our solver makes none of these artefacts. It starts at the lobe, it does not rotate the cosine under a matrix, and
+//! its samples are as symmetric as the lobe. Therefore each matrix of (b) is rotated by a different angle, as a solver
+//! of nine numbers may do. The published gradient descent fits (a) and (c). It starts far from the lobe, and its
+//! samples are random.
 
 use std::{f64::consts::TAU, sync::Arc};
 
@@ -26,26 +26,26 @@ use super::{error::FigureError, fits::entries};
 
 /// Side of a sphere's picture in pixels.
 const SIDE: u32 = 320;
-/// The paper's nodes and layout.
+/// The paper's resolution and layout.
 const RECIPE: &str = r#"{"preset": "paper", "layout": "kt2022"}"#;
-/// The recipe of the descent, with few samples and steps.
+/// The recipe for gradient descent, with few samples and steps.
 const DESCENT: &str = r#"{"layout": "kt2022", "fit": {"solver": "sgd", "samples": 64, "directions": 4, "steps": 200}}"#;
-/// The recipe of the descent by the L3 norm.
+/// The recipe for gradient descent with the L3 norm.
 const DESCENT_BY_L3: &str =
     r#"{"layout": "kt2022", "fit": {"metric": "l3", "solver": "sgd", "samples": 64, "directions": 4, "steps": 200}}"#;
-/// A part of a turn that is far from all fractions with small denominators.
+/// A fraction of a turn that is far from all fractions with small denominators.
 const TURN: f64 = 0.618_033_988_749_895;
-/// The constant of layout `kt2022`.
+/// The constant `FLATTEST` of layout `kt2022`.
 const FLATTEST: f64 = 1e-4;
 
 /// The material of most spheres.
 const SATIN: Material = Material { alpha_x: 0.5, alpha_y: 0.15, rotation: 0.0 };
-/// The material of (d), between the two least roughnesses of a table.
+/// The material of (d). Its roughness is between the two least roughnesses of a table.
 const GLOSSY: Material = Material { alpha_x: 0.08, alpha_y: 0.05, rotation: 0.0 };
-/// The nodes of (d) along theta and along phi. They are so dense that interpolation does not show.
+/// The nodes of (d) along theta and along phi. They are so dense that interpolation is not visible.
 const FINE: u32 = 64;
 
-/// Draws spheres by tables without one remedy, next to spheres by tables with it.
+/// Draws spheres lit by tables that lack one remedy, next to spheres lit by tables that have it.
 pub(super) fn draw(preview: &mut Preview) -> Result<Picture, FigureError> {
     let (plan, exact) = entries(RECIPE)?;
     let (rough_plan, rough) = entries(DESCENT)?;
@@ -82,7 +82,7 @@ pub(super) fn draw(preview: &mut Preview) -> Result<Picture, FigureError> {
 
 const NO_MIRRORS: Mirrors = Mirrors { x: false, y: false };
 
-/// A scene with the light in front, so that the sphere reflects it where the view is along the normal.
+/// A scene with the light in front. The sphere reflects it where the view is along the normal.
 fn scene(material: Material) -> Scene {
     Scene {
         materials: vec![material],
@@ -98,8 +98,8 @@ fn inverted(stored: &[f32; 9]) -> [f32; 9] {
     row_major(&from_row_major(&stored.map(f64::from)).inverse()).map(|x| x as f32)
 }
 
-/// A table of the glossy material with the results of lookups in another table, at many views. Shaders read matrices,
-/// so this function reads a table of inverses for them.
+/// A table for the glossy material that stores the results of lookups in another table, at many views. Shaders read
+/// matrices, so this function also reads tables of inverses.
 fn read_finely(table: &Table, matrix: impl Fn(&[f64; 9]) -> DMat3) -> Result<Table, FigureError> {
     let Material { alpha_x, alpha_y, .. } = GLOSSY;
     let ratio = alpha_y / alpha_x;
@@ -128,19 +128,20 @@ fn with(entry: &FittedEntry, matrix: DMat3) -> FittedEntry {
     FittedEntry { matrix: row_major(&matrix), ..*entry }
 }
 
-/// Another matrix with the entry's distribution.
+/// Another matrix with the same distribution as the entry.
 fn turned(index: usize, entry: &FittedEntry) -> DMat3 {
     from_row_major(&entry.matrix) * DMat3::from_rotation_z(TAU * (TURN * index as f64).fract())
 }
 
-/// The entries, with the first azimuth at all views from above, where the azimuth does not matter.
+/// The entries, where all views from directly above have the entry of the first azimuth. The azimuth does not matter
+/// for these views.
 fn alike_from_above(plan: &Plan, entries: &[FittedEntry]) -> Vec<FittedEntry> {
     let PerAxis { theta, phi, .. } = plan.nodes().lengths();
     let source = |index: usize| if (index / phi).is_multiple_of(theta) { index - index % phi } else { index };
     (0..entries.len()).map(|index| entries[source(index)]).collect()
 }
 
-/// The table of these matrices, with third columns of unit length.
+/// The table with these matrices. Their third columns have unit length.
 fn stored(plan: &Plan, entries: &[FittedEntry], matrix: impl Fn(&FittedEntry) -> DMat3) -> Table {
     let mut table = assemble(plan, entries);
     for (stored, entry) in table.matrix.iter_mut().zip(entries) {

@@ -1,4 +1,4 @@
-//! Figure 12: spheres by tables with few and with many nodes.
+//! Figure 12: spheres lit by tables with few and with many nodes.
 
 use std::sync::Arc;
 
@@ -13,15 +13,15 @@ use ltcforge::{
 
 /// The paper's larger roughnesses.
 const ALPHAS: [f64; 4] = [0.06, 0.31, 0.56, 0.81];
-/// The smaller roughness over the larger.
+/// The ratio of the smaller to the larger roughness.
 const RATIO: f64 = 0.3;
-/// Nodes on each axis. The paper has 8 and 64. Fits of these take a minute.
+/// Nodes on each axis. The paper has 8 and 64. The fits with our numbers take a minute.
 const NODES: [u32; 2] = [8, 16];
 /// Side of a sphere's picture in pixels, and samples per pixel of the reference.
 const SIDE: u32 = 192;
 const SAMPLES: u32 = 1024;
 
-/// Draws the difference of each table from the reference.
+/// Draws the difference between each table and the reference.
 pub(super) fn draw(preview: &mut Preview) -> Result<Picture, FigureError> {
     let mut rows = Vec::new();
     for nodes in NODES {

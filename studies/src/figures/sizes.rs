@@ -1,4 +1,4 @@
-//! The paper's table 1 for our layouts: the contents and sizes of tables. It needs no fits.
+//! The paper's table 1, for our layouts: the contents and sizes of tables. This needs no fits.
 
 use std::fmt::Write as _;
 
@@ -9,7 +9,7 @@ use ltcforge::{
     textures::{Texture, TextureLayout},
 };
 
-/// Layouts as their readers load them: 2D textures for engines, and other textures for our shader.
+/// Layouts in the form that their readers load: 2D textures for engines, and other textures for our shader.
 const LAYOUTS: [TextureLayout; 6] = [
     TextureLayout::Reflected,
     TextureLayout::Kt2022,
@@ -18,10 +18,10 @@ const LAYOUTS: [TextureLayout; 6] = [
     TextureLayout::Godot,
     TextureLayout::Hdrp,
 ];
-/// Channels that hold no number of a lobe: empty channels, and numbers of the light.
+/// Channels without numbers of a lobe: empty channels, and numbers of the light.
 const NOT_OF_LOBES: [&str; 3] = ["unused", "zero", "sphere"];
 
-/// A table of text with a line for each layout, at its default resolution.
+/// A text table with a line for each layout, at its default resolution.
 pub(super) fn table() -> Result<String, FigureError> {
     let mut text = String::from(
         "| layout | stored | axes | nodes | textures | numbers a lobe | bytes, 32 bits | bytes, 16 bits |\n\
@@ -52,7 +52,7 @@ pub(super) fn table() -> Result<String, FigureError> {
     Ok(text)
 }
 
-/// A table with the layout's default resolution. All its lobes are the cosine.
+/// A table with the default resolution of the layout. Every lobe is the cosine.
 fn empty(layout: Layout) -> Result<Table, FigureError> {
     let plan = Plan::new(&parse(format!(r#"{{"layout": "{layout}"}}"#).as_bytes(), DEFAULT_ENTRY_LIMIT)?);
     let (recipe, count) = (plan.recipe(), plan.entries() as usize);
@@ -72,7 +72,7 @@ fn empty(layout: Layout) -> Result<Table, FigureError> {
     })
 }
 
-/// The sides of a texture in texels.
+/// The side lengths of a texture in texels.
 fn sides(texture: &Texture) -> String {
     let Texture { width, height, depth, .. } = texture;
     if *depth > 1 { format!("{width} x {height} x {depth}") } else { format!("{width} x {height}") }

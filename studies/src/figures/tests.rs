@@ -17,14 +17,14 @@ fn lobes_are_drawn_and_reproducible() {
     for (draw, least) in [(lobes::draw as fn() -> _, 3000), (metrics::draw, 400)] {
         let drawn: Picture = draw().expect("a picture");
         assert!(bright(&drawn) > least, "{}", bright(&drawn));
-        assert!(drawn == draw().expect("a picture"), "another picture the second time");
+        assert!(drawn == draw().expect("a picture"), "the second picture differs");
     }
 }
 
-/// Interpolated matrices of one distribution have another distribution unless they are aligned: the first two rows of
-/// panels.
+/// Tests the first two rows of panels: interpolating matrices of one distribution changes the distribution, unless the
+/// matrices are aligned.
 #[test]
-fn aligned_matrices_of_one_distribution_keep_it() {
+fn interpolating_aligned_matrices_keeps_their_distribution() {
     let drawn = alignment::draw().expect("a picture");
     let (width, height) = (drawn.width as usize, drawn.height as usize / 4);
     let across = width.div_ceil(5);
@@ -34,7 +34,7 @@ fn aligned_matrices_of_one_distribution_keep_it() {
     };
     let row = |row: usize| (panel(row, 0), panel(row, 2));
     let (first, between) = row(0);
-    assert!(first != between, "an unaligned matrix changes nothing");
+    assert!(first != between, "interpolating unaligned matrices changed nothing");
     let (first, between) = row(1);
     let apart = first.iter().zip(&between).filter(|(a, b)| a != b).count();
     assert!(apart * 50 < first.len(), "{apart} of {}", first.len());
@@ -44,7 +44,7 @@ fn aligned_matrices_of_one_distribution_keep_it() {
 fn both_alignments_are_drawn_with_their_errors() {
     let drawn = alignments::draw().expect("a picture");
     assert!(bright(&drawn) > 400, "{}", bright(&drawn));
-    // A line that is too long would be missing.
+    // A line that does not fit would be missing.
     let first = |line: u32| (2 + line * LINE) * drawn.width;
     for line in 0..8 {
         let pixels = &drawn.rgb[first(line) as usize..first(line + 1) as usize];
@@ -53,9 +53,9 @@ fn both_alignments_are_drawn_with_their_errors() {
 }
 
 #[test]
-fn table_1_is_the_one_of_the_documentation() {
+fn table_1_equals_the_table_of_the_documentation() {
     let table = sizes::table().expect("a table");
-    assert_eq!(table, include_str!("../../figures/table_1.md"), "make figures writes it");
+    assert_eq!(table, include_str!("../../figures/table_1.md"), "run make figures");
     for (layout, numbers) in [("reflected", "| 11 | 181440 | 90720 |"), ("ltc2017", "| 6 | 131072 | 65536 |")] {
         let line = table.lines().find(|line| line.starts_with(&format!("| `{layout}` |"))).expect(layout);
         assert!(line.ends_with(numbers), "{line}");
@@ -71,16 +71,16 @@ fn the_documentation_shows_every_figure() {
     }
 }
 
-/// Figures that do not fit a whole table.
+/// Tests figures that do not fit a whole table.
 #[test]
 fn pictures_of_isotropic_fits_differ_and_are_reproducible() {
     let draw = || [isotropic::shears(Shear::X), isotropic::shears(Shear::Z), isotropic::order()];
     let drawn = draw();
-    assert!(drawn == draw(), "another picture the second time");
+    assert!(drawn == draw(), "the second picture differs");
     assert!(drawn[0] != drawn[1] && drawn[0].rgb.len() > 100_000);
 }
 
-/// Figures that fit almost nothing.
+/// Tests figures that fit almost nothing.
 #[test]
 fn figures_are_written_under_their_names() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -93,9 +93,9 @@ fn figures_are_written_under_their_names() {
         let shown = Path::new(env!("CARGO_MANIFEST_DIR")).join("figures").join(name);
         assert!(
             fs::read(path).expect("a file") == fs::read(shown).expect("a file"),
-            "the documentation has another {name}"
+            "{name} differs from the file of the documentation: run make figures"
         );
     }
-    let error = Figure::Table1.write(&mut preview, Path::new("/proc")).expect_err("no file can be made");
+    let error = Figure::Table1.write(&mut preview, Path::new("/proc")).expect_err("the folder is read-only");
     assert!(error.to_string().starts_with("/proc/table_1.md: "), "{error}");
 }

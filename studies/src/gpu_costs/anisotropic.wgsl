@@ -44,12 +44,12 @@ fn engine_edge(a: vec3<f32>, b: vec3<f32>) -> f32 {
     return cross(a, b).z * select(1.0, angle / sin(angle), angle > 0.001);
 }
 
-// A point where an edge meets the horizon.
+// The point where an edge crosses the horizon.
 fn engine_cut(above: vec3<f32>, below: vec3<f32>) -> vec3<f32> {
     return above.z * below - below.z * above;
 }
 
-// The light's corners above the horizon, and their number.
+// The corners of the light above the horizon, and their number.
 fn engine_clip(l: ptr<function, array<vec3<f32>, 5>>) -> u32 {
     let above = vec4((*l)[0].z, (*l)[1].z, (*l)[2].z, (*l)[3].z) > vec4(0.0);
     let cases = dot(vec4<u32>(above), vec4(1u, 2u, 4u, 8u));
@@ -76,8 +76,8 @@ fn engine_clip(l: ptr<function, array<vec3<f32>, 5>>) -> u32 {
 }
 
 fn lit(alpha: vec2<f32>, local: Local) -> vec4<f32> {
-    // The table has the larger roughness along x and views of the first quadrant: surface, view and light are turned
-    // and mirrored.
+    // The table has the larger roughness along x, and views in the first quadrant. Surface, view and light are rotated
+    // and mirrored accordingly.
     let swaps = alpha.y > alpha.x;
     let larger = max(alpha.x, alpha.y);
     let ratio = min(alpha.x, alpha.y) / larger;

@@ -1,10 +1,11 @@
-// The isotropic table as engines read it: two textures, of the inverse four numbers and of the terms two, and a light's
-// vector form factor, of which the sphere of the same one leaves a part above the horizon [Hill and Heitz 2016].
+// The isotropic table as engines read it: one texture with four numbers of the inverse, and one with two terms. Lights
+// are integrated by their vector form factor. The part above the horizon is that of a sphere with the same vector form
+// factor [Hill and Heitz 2016].
 @group(0) @binding(0) var engine_inverse: texture_2d<f32>;
 @group(0) @binding(1) var engine_terms: texture_2d<f32>;
 @group(0) @binding(2) var engine_sampler: sampler;
 
-// An angle over its sine and over a turn, times the edge's normal.
+// The angle divided by its sine and by a full turn, times the normal of the edge.
 fn engine_edge(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
     let x = dot(a, b);
     let y = abs(x);

@@ -1,8 +1,9 @@
-//! Costs of shaders on a GPU: the numbers of `src/shaders/gpu_cost.rs`, by the compiler of a driver.
+//! Measures costs of shaders on a GPU: the numbers of `src/shaders/gpu_cost.rs`, as counted by the compiler of a
+//! driver.
 //!
-//! Each shader is compiled with `surface.wgsl` for one rectangle that emits to one side, including the transform of its
-//! corners into the tangent frame. Index checks are off, as in engines. The methods of engines are written here as
-//! published.
+//! Each shader is compiled with `surface.wgsl` for one rectangle that emits to one side. This includes the transform of
+//! its corners into the tangent frame. Index checks are off, as in engines. The methods of engines are written here as
+//! they were published.
 
 use std::fmt::Write as _;
 
@@ -22,21 +23,21 @@ use naga::{
 const SURFACE: &str = include_str!("surface.wgsl");
 const ISOTROPIC: &str = include_str!("ltc_isotropic.wgsl");
 
-/// A shader, with the function `lit` that calls it for one rectangle.
+/// A shader, with a function `lit` that calls it for one rectangle.
 pub(crate) struct Program {
     pub(crate) name: String,
     pub(crate) wgsl: String,
-    /// The layout of the table that it reads, and whether the table has two lobes per entry.
+    /// The layout of the shader's table, and whether the table has two lobes per entry.
     pub(crate) table: Option<(Layout, bool)>,
 }
 
 /// The reason that a shader was not measured.
 #[derive(Debug, thiserror::Error)]
 pub enum CostError {
-    /// There is no driver, or it refuses a shader.
+    /// There is no driver, or the driver rejects a shader.
     #[error(transparent)]
     Driver(#[from] DriverError),
-    /// A shader that is not valid WGSL.
+    /// The shader is not valid WGSL.
     #[error("{name}: {reason}")]
     Text {
         /// The shader.
@@ -46,7 +47,7 @@ pub enum CostError {
     },
 }
 
-/// The numbers in the form of the source, below the device's name.
+/// The costs as lines for `COSTS` of `src/shaders/gpu_cost.rs`, below a comment with the device's name.
 ///
 /// # Errors
 /// [`CostError`]
@@ -86,7 +87,7 @@ pub(crate) fn programs() -> Vec<Program> {
         .collect()
 }
 
-/// Shaders of tables with their options: the cut at the surface, the cheap fit of the horizon, and both.
+/// Shaders for tables with their options: the cut at the surface, the cheap horizon, and both.
 fn by_choice() -> impl Iterator<Item = Program> {
     let layouts = [Layout::Reflected, Layout::Ltc2017];
     let choices = [(true, false), (false, true), (true, true)];
@@ -98,7 +99,7 @@ fn by_choice() -> impl Iterator<Item = Program> {
     )
 }
 
-/// Lights other than polygons, with and without the cut at the surface.
+/// Light shapes other than polygons, with and without the cut at the surface.
 fn shapes() -> impl Iterator<Item = Program> {
     let calls = [
         ("disk", "c[0], 0.5 * (c[1] - c[0]), 0.5 * (c[0] - c[3]), false"),
@@ -125,7 +126,7 @@ fn shapes() -> impl Iterator<Item = Program> {
     )
 }
 
-/// Shaders with the factor for metals.
+/// Shaders with the compensation factor for metals.
 fn compensated() -> impl Iterator<Item = Program> {
     let models = [(LightModel::Ltc, Some(Layout::Reflected)), (LightModel::Normals, None), (LightModel::Asg, None)];
     let additions = Additions { cut: false, compensate: true, textured: None };
@@ -134,7 +135,7 @@ fn compensated() -> impl Iterator<Item = Program> {
         .filter_map(move |(model, layout)| Some(of_text(LitBy::new(model, layout).ok()?.with(additions).ok()?)))
 }
 
-/// A metal by F82 with a coat and fuzz over it: two lookups and three integrals.
+/// A metal by F82 under a coat and fuzz: two lookups and three integrals.
 fn layered() -> impl Iterator<Item = Program> {
     let calls = "
     let base = ltc_lookup(alpha.x, alpha.y, local.wo);
@@ -157,7 +158,7 @@ fn layered() -> impl Iterator<Item = Program> {
     })
 }
 
-/// Shaders with pictures on lights.
+/// Shaders for pictures on lights.
 fn textured() -> impl Iterator<Item = Program> {
     let normals = NormalsRule::SHADED
         .into_iter()
@@ -178,7 +179,7 @@ fn of_text(lit_by: LitBy) -> Program {
     let calls = match lit_by.model() {
         LightModel::Ltc => {
             let rectangle = if lit_by.additions().cut { "ltc_cut_rectangle" } else { "ltc_rectangle" };
-            // The compiler does not know this number.
+            // The compiler cannot know this number.
             let lookup = match lit_by.layout() {
                 Some(Layout::Materials) => "ltc_lookup_material(u32(alpha.x * 8.0), local.wo)",
                 _ => "ltc_lookup(alpha.x, alpha.y, local.wo)",
@@ -216,7 +217,7 @@ fn of_text(lit_by: LitBy) -> Program {
     program(lit_by.name(), &[&text, &lit], lit_by.layout().map(|layout| (layout, false)))
 }
 
-/// One rectangle with a picture. The compiler does not know the layer.
+/// One rectangle with a picture. The compiler cannot know the layer.
 fn textured_calls(model: LightModel) -> &'static str {
     match model {
         LightModel::Ltc => {
@@ -232,8 +233,8 @@ fn textured_calls(model: LightModel) -> &'static str {
     }
 }
 
-/// The ways to use two lobes, and the code that returns the reflected light. Alpha takes the place of F0, so that the
-/// compiler does not know F0.
+/// The ways to use two lobes, and the code that returns the reflected light. Alpha replaces F0, so the compiler cannot
+/// know F0.
 const TWO_LOBES: [(&str, &str); 2] = [
     (
         "two integrals",

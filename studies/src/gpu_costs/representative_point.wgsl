@@ -1,5 +1,5 @@
-// GGX towards the point of the light that is nearest to the mirrored view, by the light's solid angle [Lagarde and de
-// Rousiers 2014], the lobe's peak lowered as much as the light widens it [Karis 2013].
+// GGX towards the point of the light that is nearest to the mirrored view, times the light's solid angle [Lagarde and
+// de Rousiers 2014]. The lobe's peak is lowered as much as the light widens the lobe [Karis 2013].
 fn engine_triangle(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> f32 {
     return 2.0 * atan2(abs(dot(cross(a, b), c)), 1.0 + dot(a, b) + dot(b, c) + dot(c, a));
 }

@@ -1,4 +1,5 @@
-// Compiled with each shader: a pixel's surface and view, and a rectangle around it in the tangent frame.
+// This file is compiled with each shader. It has a pixel's surface and view, and a rectangle relative to the surface in
+// its tangent frame.
 struct Surface {
     normal: vec2<f32>,
     alpha: vec2<f32>,

@@ -1,4 +1,4 @@
-//! The GPU, and runs of shaders on it.
+//! Opens the GPU and runs shaders on it.
 
 use std::time::Instant;
 
@@ -9,11 +9,11 @@ use wgpu::util::DeviceExt as _;
 use super::textures::{pictures, texels, texture};
 use crate::gpu_costs::Program;
 
-/// Lights of a pixel, as in [`MAIN`].
+/// Lights per pixel, as in [`MAIN`].
 const LIGHTS: u32 = 16;
-/// The least part of the pixels that light has to reach. Otherwise the shader did nothing.
+/// Light must reach at least this part of the pixels. Otherwise the shader did nothing.
 const LEAST_LIT: f64 = 0.5;
-/// A rectangle on the floor that faces the camera, which is at the origin.
+/// A rectangle on the floor that faces the camera. The camera is at the origin.
 const LIGHT: [[f32; 4]; 4] =
     [[-3.0, 9.0, 2.0, 0.0], [3.0, 9.0, 2.0, 0.0], [3.0, 9.0, -1.2, 0.0], [-3.0, 9.0, -1.2, 0.0]];
 const MAIN: &str = "
@@ -30,26 +30,26 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
 }
 ";
 
-/// The amount of work.
+/// How much work the study does.
 pub struct Effort {
-    /// Pixels of the picture.
+    /// Size of the picture in pixels.
     pub picture: [u32; 2],
     /// Runs of each shader. The study prints their median.
     pub runs: usize,
-    /// The least seconds of a run: far more than submitting it takes.
+    /// The least duration of a run, in seconds. It is far longer than the submission takes.
     pub least: f64,
 }
 
 impl Effort {
-    /// A full screen. All shaders take a few seconds on a GPU, and an hour on a processor.
+    /// A full screen. All shaders together take a few seconds on a GPU, and an hour on a processor.
     pub const WHOLE: Self = Self { picture: [1920, 1080], runs: 15, least: 0.03 };
 }
 
-/// The reason that nothing was timed.
+/// The reason that shaders were not timed.
 #[derive(Debug, thiserror::Error)]
 pub enum TimesError {
-    /// There is no GPU that runs these shaders.
-    #[error("no GPU to time shaders on: {0}")]
+    /// No GPU can run these shaders.
+    #[error("no GPU can run the shaders: {0}")]
     Gpu(String),
     /// The table of a shader could not be fitted.
     #[error(transparent)]
@@ -64,7 +64,7 @@ pub enum TimesError {
     },
 }
 
-/// A device, and the picture that shaders light on it.
+/// A device, and the picture that the shaders light on it.
 pub(super) struct Gpu {
     pub(super) name: String,
     device: wgpu::Device,
@@ -112,7 +112,7 @@ impl Gpu {
         })
     }
 
-    /// Milliseconds of a light over the picture: the median of the runs.
+    /// Milliseconds per light for the whole picture: the median of the runs.
     pub(super) fn milliseconds(
         &self,
         program: &Program,
@@ -208,7 +208,7 @@ impl Gpu {
         Ok((pipeline, group))
     }
 
-    /// Seconds of `dispatches` dispatches.
+    /// Duration of `dispatches` dispatches, in seconds.
     fn run(&self, pipeline: &wgpu::ComputePipeline, group: &wgpu::BindGroup, dispatches: u32) -> Result<f64, String> {
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
@@ -225,7 +225,7 @@ impl Gpu {
         Ok(start.elapsed().as_secs_f64())
     }
 
-    /// The part of the pixels that light reaches.
+    /// The part of the pixels that the light reaches.
     fn part_lit(&self) -> Result<f64, String> {
         let size = self.reflected.size();
         let copy = self.device.create_buffer(&wgpu::BufferDescriptor {
@@ -245,7 +245,8 @@ impl Gpu {
     }
 }
 
-/// The floor as seen by a camera 1.5 above it, in blocks of eight by eight pixels: normal, alphas, position, padding.
+/// The floor as a camera 1.5 above it sees it, in blocks of eight by eight pixels. A pixel has normal, alphas, position
+/// and padding.
 fn surfaces([width, height]: [u32; 2]) -> Vec<[f32; 8]> {
     let tiles = (0..height / 8).flat_map(|y| (0..width / 8).map(move |x| [8 * x, 8 * y]));
     let pixel = |[x, y]: [u32; 2]| {

@@ -1,8 +1,8 @@
-//! Times of shaders on the GPU of this machine. It runs the programs of [`gpu_costs`](crate::gpu_costs).
+//! Times shaders on the GPU of this machine. It runs the programs of [`gpu_costs`](crate::gpu_costs).
 //!
-//! Each pixel is a place on a floor, as a camera sees it, and lights sixteen rectangles one after another. Place and
-//! roughness differ for each, so that no work is shared and memory traffic of the pixel counts little. The time
-//! includes the tangent frame and the transform of the corners, as in an engine.
+//! Each pixel is a point on a floor that a camera sees. It computes the light of sixteen rectangles one after another.
+//! Each rectangle lights a different point with a different roughness, so no work is shared, and the pixel's memory
+//! traffic counts little. The time includes the tangent frame and the transform of the corners, as in an engine.
 
 mod gpu;
 mod textures;
@@ -18,11 +18,11 @@ use crate::{gpu_costs::programs, tables::fitted};
 use gpu::Gpu;
 pub use gpu::{Effort, TimesError};
 
-/// The shader that the others are compared with: the method of engines.
+/// The method of engines. All other shaders are compared with it.
 const STOCK: &str = "ltc2017, clipless";
 
-/// A row for each shader, in Markdown: milliseconds per light over the picture, their ratio to [`STOCK`], and the ratio
-/// of the counts of `gpu-costs`.
+/// Markdown with a row for each shader: milliseconds per light for the picture, their ratio to [`STOCK`], and the same
+/// ratio of the inverse throughputs of `gpu-costs`.
 ///
 /// # Errors
 /// [`TimesError`]
@@ -56,7 +56,7 @@ pub fn text(effort: &Effort) -> Result<String, TimesError> {
     Ok(out)
 }
 
-/// A table with the default axes and a poor fit, which does not change the time.
+/// A table with the default axes and a poor fit. The quality of the fit does not change the time.
 fn table((layout, has_two): (Layout, bool)) -> Result<Table, Error> {
     let builder = match layout {
         Layout::Materials => {
@@ -76,7 +76,7 @@ mod tests {
     #[test]
     fn every_shader_is_timed() {
         let times = match text(&Effort { picture: [64, 64], runs: 1, least: 0.0 }) {
-            Err(TimesError::Gpu(reason)) => return println!("skipped: no GPU, not even in software: {reason}"),
+            Err(TimesError::Gpu(reason)) => return println!("skipped: no GPU and no software renderer: {reason}"),
             times => times.expect("every shader lights the floor"),
         };
         for program in programs() {

@@ -1,4 +1,4 @@
-//! The bindings of shaders: the entries of a table or textures of the engines' size, and pictures of lights.
+//! The bindings of shaders: a table's entries or textures with the size that engines use, and pictures on lights.
 
 use std::iter;
 
@@ -7,11 +7,11 @@ use ltcforge::Table;
 use naga::ImageDimension;
 use wgpu::util::DeviceExt as _;
 
-/// The number of pictures on lights, and the binary logarithm of their side.
+/// The number of pictures on lights, and the binary logarithm of their side length.
 const PICTURES: usize = 8;
 const PICTURE_LEVEL: u32 = 8;
 
-/// A table's texels, or unit matrices in textures of the engines' size.
+/// The texels of a table, or unit matrices in textures with the size that engines use.
 pub(super) fn texture(
     (device, queue): (&wgpu::Device, &wgpu::Queue),
     dimension: ImageDimension,
@@ -25,7 +25,7 @@ pub(super) fn texture(
             let [width, height] = [axes.phi.len(), axes.ratio.len() * axes.theta.len()];
             ([width, height, texels.len() / (width * height)], texels.clone())
         }
-        // The inverse in the isotropic table has its second one last.
+        // In the isotropic table, the first and the last of the four numbers are diagonal elements of the inverse.
         None if is_flat => ([64, 64, 1], vec![[one, zero, zero, one]; 64 * 64]),
         None => ([8, 8, 64], vec![[one, zero, zero, zero]; 8 * 8 * 64]),
     };
@@ -46,7 +46,7 @@ pub(super) fn texture(
     texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
-/// Pictures of lights, one per layer, with noise on all levels.
+/// Pictures on lights, one per layer, with noise on all levels.
 pub(super) fn pictures((device, queue): (&wgpu::Device, &wgpu::Queue)) -> wgpu::TextureView {
     let mut state = 1_u32;
     let texels = PICTURES * (0..=PICTURE_LEVEL).map(|level| 1 << (2 * level)).sum::<usize>();

@@ -1,19 +1,20 @@
-//! The light of a rectangle behind a rough interface in truth: by quadrature over the rectangle of the published BTDF.
+//! The true light of a rectangle behind a rough interface: quadrature of the published BTDF over the rectangle.
 
 use glam::DVec3;
 
 use ltcforge::fit::brdf::Ggx;
 
-/// Cells along each side of the rectangle, and Gauss's rule of three points in each: its nodes and weights on [0, 1].
+/// Cells along each side of the rectangle, and the nodes and weights of the three-point Gauss rule in each, on [0, 1].
 const CELLS: u32 = 16;
 const GAUSS: [(f64, f64); 3] =
     [(0.112_701_665_379_258_31, 5.0 / 18.0), (0.5, 4.0 / 9.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
 
-/// The light of basic radiance one that GGX transmits towards `wo`, by Schlick's factor.
+/// The light that GGX transmits towards `wo` from a lamp of basic radiance one, with Schlick's Fresnel factor.
 ///
-/// Per steradian of `wi` it is `(1 - F) D G2 (wo . h) / cos_o` times the Jacobian `eta^2 |wi . h| / |wo + eta wi|^2`, with the
-/// normal `h = -(wo + eta wi)` up to length [Walter et al. 2007, equations 16, 17 and 21]. Domain: as `transmission::transmitted`,
-/// `eta` above one, and a lamp a sixteenth of which, as seen from the surface, is narrower than the lobe.
+/// Per steradian of `wi` it is `(1 - F) D G2 (wo . h) / cos_o` times the Jacobian `eta^2 |wi . h| / |wo + eta wi|^2`,
+/// with the normal `h = -(wo + eta wi)`, normalised [Walter et al. 2007, equations 16, 17 and 21]. Domain: as for
+/// `transmission::transmitted`, `eta` above one, and a lamp small enough that a sixteenth of it, seen from the surface,
+/// is narrower than the lobe.
 pub(super) fn through_glass([alpha_x, alpha_y]: [f64; 2], wo: DVec3, eta: f64, lamp: &[DVec3; 4]) -> f64 {
     let ggx = Ggx { alpha_x, alpha_y };
     let (right, up) = (lamp[3] - lamp[0], lamp[1] - lamp[0]);
@@ -53,7 +54,7 @@ mod tests {
     use ltcforge_light::transmission::sampled;
 
     #[test]
-    fn it_is_what_visible_normals_refract() {
+    fn it_equals_the_light_that_visible_normals_refract() {
         let lamp = [[-1.2, -0.7], [-1.2, 0.9], [1.4, 0.9], [1.4, -0.7]].map(|[x, y]| DVec3::new(x, y, -3.0));
         let corners = lamp.map(|corner| corner.to_array());
         for (alpha, theta) in [([0.25, 0.25], 0.3), ([0.4, 0.2], 0.6), ([0.6, 0.6], 1.0)] {

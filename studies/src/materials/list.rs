@@ -4,30 +4,30 @@ use glam::DVec3;
 
 use super::sphere::Lamp;
 
-/// Coats, plastic and glass have an index of 1.5.
+/// F0 of coats, plastic and glass. Their refractive index is 1.5.
 pub(super) const COAT_F0: f64 = 0.04;
 pub(super) const GLASS_ETA: f64 = 1.5;
 
-/// The lamp, and where it is for glass: behind the surface.
+/// The lamp, and its position for glass, behind the surface.
 const ABOVE: Lamp = Lamp { centre: DVec3::new(-1.2, 1.9, 2.1), half_size: [1.9, 1.1] };
 const BEHIND: Lamp = Lamp { centre: DVec3::new(0.9, -1.1, -9.0), half_size: [1.9, 1.1] };
 
-/// A base, and the layers over it as OpenPBR combines them.
+/// A base with the layers above it, combined as in OpenPBR.
 #[derive(Debug)]
 pub(super) struct Material {
-    /// Its name in the picture: what its surface is like, and what it is.
+    /// The name in the picture.
     pub(super) name: &'static str,
     pub(super) base: Base,
-    /// Roughness and transmittance of a dielectric coat. That of plastic is the plastic's own surface.
+    /// Roughness and transmittance of a dielectric coat. For plastic, the coat is its own surface.
     pub(super) coat: Option<(f64, [f64; 3])>,
     /// Roughness and colour of fuzz.
     pub(super) fuzz: Option<(f64, [f64; 3])>,
 }
 
-/// What is below the layers.
+/// The material below the layers.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Base {
-    /// GGX by F82: the reflectance seen from above, and by what Schlick's is multiplied at 82 degrees.
+    /// GGX by F82: the reflectance at normal incidence, and the factor on Schlick's reflectance at 82 degrees.
     Metal { alpha: [f64; 2], f0: [f64; 3], tint: [f64; 3] },
     /// Lambert's reflection.
     Diffuse([f64; 3]),
@@ -38,12 +38,12 @@ pub(super) enum Base {
 const CLEAR: [f64; 3] = [1.0; 3];
 
 impl Material {
-    /// The lamp of the material.
+    /// The lamp for the material.
     pub(super) fn lamp(&self) -> &'static Lamp {
         if matches!(self.base, Base::Glass { .. }) { &BEHIND } else { &ABOVE }
     }
 
-    /// Roughnesses of its lobes of GGX that reflect.
+    /// The roughnesses of all reflecting GGX lobes.
     pub(super) fn roughnesses(&self) -> impl Iterator<Item = [f64; 2]> {
         let base = match self.base {
             Base::Metal { alpha, .. } => Some(alpha),
@@ -53,8 +53,8 @@ impl Material {
     }
 }
 
-/// In the order of the picture. Gold's numbers are those of its refractive index at 660, 549 and 451 nm [Johnson and
-/// Christy 1972]; the others are chosen to look like what they are called.
+/// The materials in the order of the picture. The numbers of gold come from its refractive index at 660, 549 and 451 nm
+/// [Johnson and Christy 1972]. The other numbers were chosen by appearance.
 pub(super) static MATERIALS: [Material; 9] = [
     Material {
         name: "brushed steel",

@@ -1,5 +1,5 @@
-//! Nine materials under one lamp: the truth, a table and model `normals`, with the error of each model. docs/materials.png is
-//! this picture.
+//! Nine materials under one lamp: the truth, light by a table and by model `normals`, and the error of each model. This
+//! is the picture docs/materials.png.
 
 mod glass;
 mod list;
@@ -25,20 +25,20 @@ use std::ops::ControlFlow;
 
 use ltcforge_light::{LightError, LightModel, Lighting, NormalsRule, TableUse};
 
-/// What may be chosen of the picture.
+/// Options of the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MaterialChoices {
-    /// Pixels a side of each panel, one at least.
+    /// Side of each panel in pixels, at least one.
     pub size: u32,
     /// The rule of model `normals`.
     pub rule: NormalsRule,
-    /// Whether light and lobe of the table end at the surface.
+    /// Whether the light and the lobe of the table are cut at the surface.
     pub cut: bool,
-    /// The difference, in radiance, at the end of the colour bar.
+    /// The radiance difference at the end of the colour bar.
     pub difference_scale: f64,
 }
 
-/// A table and its names: its file's digest in hexadecimal, and the range that it covers.
+/// A table, with the digest of its file and the ranges that it covers.
 #[derive(Debug, Clone, Copy)]
 pub struct NamedTable<'a> {
     /// The table.
@@ -49,37 +49,37 @@ pub struct NamedTable<'a> {
     pub range: &'a PerAxis<[f64; 2]>,
 }
 
-/// The picture, and how far each model is from the truth.
+/// The picture, and the errors of the models.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MaterialSpheres {
     /// A column for each material.
     pub picture: Picture,
-    /// The errors of the table, in the order of the columns and without glass, then those of model `normals`.
+    /// The errors of the table in the order of the columns, without glass, then those of model `normals`.
     pub errors: Vec<MaterialError>,
-    /// The materials for which the table's nearest entry stands, since it does not cover one of their roughnesses.
+    /// The materials with a roughness that the table does not cover. The picture uses the nearest entry for them.
     pub outside: Vec<&'static str>,
 }
 
-/// How far a model is from the truth for one material.
+/// The error of a model for one material.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct MaterialError {
     /// The material.
     pub material: &'static str,
     /// The model.
     pub model: LightModel,
-    /// Mean over the sphere and over channels of the absolute difference in radiance.
+    /// Mean absolute difference in radiance, over the sphere and over channels.
     pub mean_absolute_error: f64,
-    /// Mean radiance of the truth over the same.
+    /// Mean true radiance, over the sphere and over channels.
     pub mean_radiance: f64,
 }
 
-/// The recipe of the picture's table: the default, with a second lobe for plastic and the term of F82.
+/// The recipe of the picture's table: the default, with a second lobe for plastic and the edge term of F82.
 const RECIPE: &str = r#"{"fresnel": "two_lobes", "terms": "f82"}"#;
 
-/// Fits [`RECIPE`], draws the picture and returns it as PNG, with a line for each error.
+/// Fits [`RECIPE`] and draws the picture. Returns the picture as PNG, and text with a line for each error.
 ///
 /// # Errors
-/// Those of the recipe, of the light and of PNG.
+/// The recipe is invalid, or the light or the PNG cannot be computed.
 pub fn drawn() -> Result<(Vec<u8>, String), Box<dyn std::error::Error>> {
     let recipe = recipe_document::parse(RECIPE.as_bytes(), recipe_document::DEFAULT_ENTRY_LIMIT)?;
     let table = fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).ok_or("the fit was stopped")?;
@@ -95,16 +95,16 @@ pub fn drawn() -> Result<(Vec<u8>, String), Box<dyn std::error::Error>> {
 }
 
 impl Default for MaterialChoices {
-    /// All columns are as wide as a page has room for.
+    /// Together the columns are as wide as a page.
     fn default() -> Self {
         Self { size: 92, rule: NormalsRule::ALL[0], cut: false, difference_scale: 0.02 }
     }
 }
 
-/// Draws the picture with a table of GGX. Renders on the current rayon pool; its size changes nothing.
+/// Draws the picture with a table for GGX. Renders on the current rayon pool, whose size does not change the picture.
 ///
 /// # Errors
-/// [`LightError::OtherLights`] for a table of another scattering model, and those of its light.
+/// [`LightError::OtherLights`] if the table is for another scattering model, and the errors of its light.
 pub fn material_spheres(named: NamedTable<'_>, choices: &MaterialChoices) -> Result<MaterialSpheres, LightError> {
     let NamedTable { table, digest, range } = named;
     let &MaterialChoices { size, rule, cut, difference_scale } = choices;
@@ -153,19 +153,19 @@ pub fn material_spheres(named: NamedTable<'_>, choices: &MaterialChoices) -> Res
     Ok(MaterialSpheres { picture: below(&parts), errors, outside: outside.collect() })
 }
 
-/// A mean error as it is written below a sphere.
+/// A mean error as text below a sphere.
 fn told(error: f64) -> String {
     if error < TRUTH_TOLERANCE { "exact".to_owned() } else { format!("{error:.5}") }
 }
 
-/// Every material's sphere.
+/// The sphere of every material.
 fn spheres(way: Way<'_>, size: u32) -> Result<Vec<Option<Sphere>>, LightError> {
     MATERIALS.iter().map(|material| Sphere::new(material, way, size)).collect()
 }
 
-/// Whether a table's ranges leave out a roughness of the material.
+/// Whether the table does not cover a roughness of the material.
 fn is_outside(material: &Material, range: &PerAxis<[f64; 2]>) -> bool {
-    /// A quotient may be off the end that it stands for by this part of it.
+    /// The tolerance for rounding errors, relative to the end of a range.
     const ROUNDING: f64 = 1e-6;
     let is_within = |[low, high]: [f64; 2], x: f64| (low * (1.0 - ROUNDING)..=high * (1.0 + ROUNDING)).contains(&x);
     material.roughnesses().any(|[x, y]| {
@@ -174,7 +174,7 @@ fn is_outside(material: &Material, range: &PerAxis<[f64; 2]>) -> bool {
     })
 }
 
-/// Panels beside each other under a title. A panel that has no content says that there is no table of it.
+/// Panels next to each other, below a title. A panel without content shows that there is no table for it.
 fn row<T>(title: &[&str], size: u32, contents: &[Option<T>], draw: impl Fn(&T) -> Picture) -> Picture {
     let panel = |content: &Option<T>| content.as_ref().map_or_else(|| absent(size), &draw);
     headed(&[title], &beside(&contents.iter().map(panel).collect::<Vec<_>>()))
@@ -186,7 +186,7 @@ fn absent(size: u32) -> Picture {
     picture
 }
 
-/// A line of words, one under or above each panel.
+/// A line with one text per panel.
 fn labels(size: u32, words: impl Iterator<Item = String>) -> Picture {
     let label = |word: String| {
         let mut picture = Picture::filled(size, LINE, GROUND);
@@ -196,7 +196,7 @@ fn labels(size: u32, words: impl Iterator<Item = String>) -> Picture {
     beside(&words.map(label).collect::<Vec<_>>())
 }
 
-/// Pictures below each other, level at the left.
+/// Pictures below each other, aligned at the left.
 fn below(pictures: &[Picture]) -> Picture {
     let width = pictures.iter().map(|picture| picture.width).max().unwrap_or(1);
     let height = pictures.iter().map(|picture| picture.height).sum::<u32>();

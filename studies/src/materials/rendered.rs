@@ -1,4 +1,4 @@
-//! One sphere lit in one way, as a picture and as an error.
+//! One sphere lit in one way, with its picture and its error.
 
 use rayon::prelude::*;
 
@@ -10,34 +10,34 @@ use super::{
 use ltcforge::view::picture::{Picture, colour, srgb};
 use ltcforge_light::LightError;
 
-/// The lamp's radiance, of glass its basic radiance; and radiance where nothing is.
+/// The radiance of the lamp (for glass, its basic radiance), and of the background.
 const RADIANCE: f64 = 2.0;
 const BACKGROUND: f64 = 0.02;
 
-/// A sphere in a panel of `side` pixels a side.
+/// A sphere in a panel of `side` x `side` pixels.
 pub(super) struct Sphere {
     side: u32,
     pixels: Vec<Pixel>,
 }
 
-/// How much of a pixel is covered, 0 to 1, and the radiance of what covers it.
+/// The part of a pixel that the sphere covers, 0 to 1, and the radiance of the sphere in it.
 struct Pixel {
     coverage: f64,
     radiance: [f64; 3],
 }
 
-/// How far a sphere is from another, over the pixels that it covers and over channels.
+/// The error of a sphere against the truth, over the covered pixels and over channels.
 pub(super) struct Apart {
     pub(super) mean_absolute: f64,
-    /// Mean radiance of the other.
+    /// Mean true radiance.
     pub(super) mean_radiance: f64,
 }
 
 impl Sphere {
-    /// A material's sphere; `None` where the way has no light of it.
+    /// The sphere of a material. `None` if this way cannot compute its light.
     ///
     /// # Errors
-    /// Those of [`shade`].
+    /// The errors of [`shade`].
     pub(super) fn new(material: &Material, way: Way<'_>, side: u32) -> Result<Option<Self>, LightError> {
         let pixel = |index: u32| {
             let Some((coverage, point)) = seen(side, [index % side, index / side], material.lamp()) else {
@@ -51,7 +51,7 @@ impl Sphere {
         Ok(pixels.map(|pixels| Self { side, pixels }))
     }
 
-    /// As previews display it: `1 - exp(-x)`, the sRGB curve, eight bits.
+    /// The sphere, displayed as in previews: `1 - exp(-x)`, the sRGB curve, eight bits.
     pub(super) fn shown(&self) -> Picture {
         self.picture(|Pixel { coverage, radiance }| {
             radiance.map(|part| {
@@ -61,7 +61,7 @@ impl Sphere {
         })
     }
 
-    /// How far it is from another in false colours, `scale` at their end. Domain: spheres of one size.
+    /// The difference from the truth in false colours, which end at `scale`. Domain: spheres of the same size.
     pub(super) fn difference(&self, truth: &Self, scale: f64) -> Picture {
         let mut wanted = truth.pixels.iter();
         self.picture(|pixel| {
@@ -70,7 +70,7 @@ impl Sphere {
         })
     }
 
-    /// The mean of the same.
+    /// The mean difference from the truth, and the mean true radiance.
     pub(super) fn apart(&self, truth: &Self) -> Apart {
         let (mut apart, mut radiance, mut covered) = (0.0, 0.0, 0.0);
         for (pixel, wanted) in self.pixels.iter().zip(&truth.pixels) {
@@ -87,7 +87,7 @@ impl Sphere {
 }
 
 impl Pixel {
-    /// Mean over channels of the absolute difference.
+    /// The absolute difference, averaged over channels.
     fn apart(&self, other: &Self) -> f64 {
         mean([0, 1, 2].map(|i| (self.radiance[i] - other.radiance[i]).abs()))
     }

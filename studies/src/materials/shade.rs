@@ -1,4 +1,4 @@
-//! What the nine materials reflect, in truth and by a model of light.
+//! The light that the nine materials reflect, in truth and by a light model.
 
 use std::sync::LazyLock;
 
@@ -19,15 +19,15 @@ use ltcforge_light::{
     truth_within,
 };
 
-/// How exact the truth is for each part of an edge: a tenth of the last digit in a picture.
+/// The tolerance of the truth per part of an edge: a tenth of the last digit in a picture.
 pub(super) const TRUTH_TOLERANCE: f64 = 1e-6;
-/// Points of the samples that tell a coat's albedo in truth.
+/// Sample points for the true albedo of a coat.
 const ALBEDO_POINTS: usize = 4096;
 
 static ALBEDO: LazyLock<Vec<SquarePoint>> =
     LazyLock::new(|| Lattice::new(ALBEDO_POINTS, [0.0; 2]).points().map(SquarePoint::new).collect());
 
-/// How the light of lobes is found.
+/// How the light of lobes is computed.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Way<'a> {
     /// By quadrature of the scattering model.
@@ -36,11 +36,11 @@ pub(super) enum Way<'a> {
     Model(Lighting<'a>),
 }
 
-/// What a material sends to the viewer of a lamp of radiance one, by channel; `None` of glass by a table, which holds no
-/// refraction.
+/// The light of a lamp of radiance one that a material sends to the viewer, by channel. `None` for glass by a table,
+/// because tables store no refraction.
 ///
 /// # Errors
-/// Those of the light of each lobe.
+/// The errors of the light of each lobe.
 pub(super) fn shade(material: &Material, way: Way<'_>, point: &Point) -> Result<Option<[f64; 3]>, LightError> {
     let light = point.light()?;
     let lit = Lit { way, point, light: &light };
@@ -69,7 +69,7 @@ pub(super) fn shade(material: &Material, way: Way<'_>, point: &Point) -> Result<
     }))
 }
 
-/// A point and a lamp, and how the lamp's light is found.
+/// A point, a lamp, and how the lamp's light is computed.
 struct Lit<'a> {
     way: Way<'a>,
     point: &'a Point,
@@ -85,7 +85,7 @@ impl Lit<'_> {
         }
     }
 
-    /// A dielectric's light; of a table whose two lobes are blended, by their blend.
+    /// The light that a dielectric reflects. A table with blended lobes uses the blend.
     fn schlick(&self, alpha: [f64; 2], f0: f64) -> Result<f64, LightError> {
         match self.way {
             Way::Truth => Ok(self.ggx(alpha)?.schlick(f0, 1.0)),
@@ -93,7 +93,8 @@ impl Lit<'_> {
         }
     }
 
-    /// A metal by F82. A table without the edge term has it at the incidence that its Fresnel term tells.
+    /// The light that a metal reflects, by F82. A table without an edge term gets the edge term that follows from the
+    /// light's energy and Fresnel part.
     fn metal(&self, alpha: [f64; 2], f0: [f64; 3], tint: [f64; 3]) -> Result<[f64; 3], LightError> {
         let parts = self.ggx(alpha)?;
         let at = self.point.of(alpha);
@@ -115,13 +116,13 @@ impl Lit<'_> {
         Ok(reflected)
     }
 
-    /// The diffuse light of a white surface: exact in closed form, and the same in truth and by every model.
+    /// The diffuse light of a white surface. Its closed form is exact, so it is the same in truth and for every model.
     fn lambert(&self) -> f64 {
         Ltc::new(DMat3::IDENTITY).map_or(0.0, |cosine| cosine.polygon(self.light.vertices(), self.light.sides()))
     }
 
-    /// What a dielectric reflects of light from everywhere: in truth by samples, by a table by its terms, and by a formula
-    /// as the light of a rectangle that covers the sky.
+    /// The part of uniform light that a dielectric reflects. The truth uses samples, and a table uses its terms. A
+    /// closed form uses the light of a polygon that covers the sky.
     fn albedo(&self, alpha: [f64; 2], f0: f64) -> Result<f64, LightError> {
         let at = self.point.of(alpha);
         match self.way {
@@ -139,7 +140,7 @@ impl Lit<'_> {
         }
     }
 
-    /// The light of white fuzz and its albedo.
+    /// The light and the albedo of white fuzz.
     fn fuzz(&self, roughness: f64) -> Result<[f64; 2], LightError> {
         let at = self.point.of([roughness * roughness; 2]);
         let found = layers::by_fuzz(roughness, &at, self.light)?;
@@ -152,7 +153,7 @@ impl Lit<'_> {
         }
     }
 
-    /// The light from within the glass, of basic radiance one.
+    /// The light from inside the glass, for a basic radiance of one.
     fn through(&self, alpha: [f64; 2]) -> Option<f64> {
         let (wo, lamp) = (self.point.wo.to_array(), self.point.lamp.map(|vertex| vertex.to_array()));
         match self.way {
@@ -163,7 +164,7 @@ impl Lit<'_> {
     }
 }
 
-/// A light that covers all of the sky but its lowest thousandth.
+/// A light that covers the whole sky except its lowest thousandth.
 fn sky() -> Result<PolygonLight, LightError> {
     let corners = [[-1.0, -1.0], [-1.0, 1.0], [1.0, 1.0], [1.0, -1.0]];
     PolygonLight::new(corners.map(|[x, y]| DVec3::new(x, y, 1e-3)).to_vec(), Sides::Two)

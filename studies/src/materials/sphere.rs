@@ -1,34 +1,34 @@
-//! A sphere seen from afar, and where a light is from each of its points.
+//! A sphere seen from far away, and the position of a lamp relative to each of its points.
 
 use glam::DVec3;
 
 use ltcforge::fit::{Configuration, Sides, math::atan2};
 use ltcforge_light::{LightError, PolygonLight};
 
-/// The sphere's radius, in sides of a panel.
+/// The sphere's radius, relative to the side of a panel.
 const RADIUS: f64 = 0.47;
-/// Points nearer to the outline than this part of the radius are shaded as if they were there: the outline itself is seen
-/// along the surface, and reflects nothing.
+/// Points farther out than this part of the radius are shaded as if they were at this distance. At the outline itself
+/// the view is along the surface, and the surface reflects nothing.
 const FARTHEST: f64 = 0.995;
 
-/// A rectangle that faces the sphere: its middle, and half its width and height. Lengths are in radii of the sphere, x
-/// points right, y up and z to the viewer.
+/// A rectangle that faces the sphere: its centre, and half its width and height. Lengths are in radii of the sphere. x
+/// points to the right, y upwards, and z to the viewer.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lamp {
     pub(super) centre: DVec3,
     pub(super) half_size: [f64; 2],
 }
 
-/// A point of the sphere, seen and lit, in its tangent frame: x along the circle of latitude, z outwards.
+/// A visible point of the sphere in its tangent frame: x along the circle of latitude, z outwards.
 pub(super) struct Point {
-    /// The direction of the viewer.
+    /// The direction to the viewer.
     pub(super) wo: DVec3,
     /// Vertices of the lamp.
     pub(super) lamp: [DVec3; 4],
 }
 
-/// How much of a pixel the sphere covers, 0 to 1, and the point of it that the pixel shows: that of its middle, or the
-/// nearest. `None` where the sphere covers nothing. Panels are `side` pixels wide and high.
+/// The part of a pixel that the sphere covers, 0 to 1, and the point that the pixel shows: the point at the pixel's
+/// middle, or the nearest one. `None` if the sphere does not cover the pixel. Panels have `side` x `side` pixels.
 pub(super) fn seen(side: u32, [column, row]: [u32; 2], lamp: &Lamp) -> Option<(f64, Point)> {
     let at = |k: u32| (f64::from(k) + 0.5 - 0.5 * f64::from(side)) / (RADIUS * f64::from(side));
     let (x, y) = (at(column), -at(row));
@@ -57,16 +57,16 @@ impl Lamp {
 }
 
 impl Point {
-    /// The view of a surface of these roughnesses.
+    /// The view direction, for a surface with these roughnesses.
     pub(super) fn of(&self, [alpha_x, alpha_y]: [f64; 2]) -> Configuration {
         let DVec3 { x, y, z } = self.wo;
         Configuration { alpha_x, alpha_y, theta: atan2((x * x + y * y).sqrt(), z), phi: atan2(y, x) }
     }
 
-    /// The lamp, of radiance one.
+    /// The lamp, with radiance one.
     ///
     /// # Errors
-    /// Those of [`PolygonLight::new`].
+    /// The errors of [`PolygonLight::new`].
     pub(super) fn light(&self) -> Result<PolygonLight, LightError> {
         PolygonLight::new(self.lamp.to_vec(), Sides::Two)
     }

@@ -4,7 +4,7 @@ use super::{
 };
 use ltcforge::fit::Recipe;
 
-/// Wide enough for each material to show its highlight.
+/// Side of a panel in pixels, large enough for each material to show its highlight.
 const SIDE: u32 = 24;
 
 fn fitted(document: &str) -> (Recipe, Table) {
@@ -17,7 +17,7 @@ fn drawn((recipe, table): &(Recipe, Table), choices: &MaterialChoices) -> Result
     material_spheres(NamedTable { table, digest: "0123456789abcdef", range: &recipe.range }, choices)
 }
 
-/// The largest mean error of each material as a part of its mean radiance, by a small table and by model `normals`.
+/// The largest mean error of each material relative to its mean radiance, by a small table and by model `normals`.
 const WITHIN: [(&str, [f64; 2]); 9] = [
     ("brushed steel", [0.12, 0.008]),
     ("gold, F82", [0.06, 0.004]),
@@ -30,14 +30,14 @@ const WITHIN: [(&str, [f64; 2]); 9] = [
     ("frosted glass", [0.0, 0.004]),
 ];
 
-/// Every material is lit, and each model is as near to the truth as its documents tell; glass has no table.
+/// Every material is lit, and each model is as near to the truth as the docs state. There is no table for glass.
 #[test]
 fn models_are_near_to_the_truth_of_nine_materials() {
     let small = r#"{"preset": "draft", "resolution": {"alpha": 6, "ratio": 4, "theta": 6, "phi": 4}, "fresnel": "two_lobes", "terms": "f82"}"#;
     let table = fitted(small);
     let choices = MaterialChoices { size: SIDE, ..MaterialChoices::default() };
     let found = drawn(&table, &choices).expect("a picture");
-    assert!(found == drawn(&table, &choices).expect("a picture"), "not the same again");
+    assert!(found == drawn(&table, &choices).expect("a picture"), "the second picture differs");
     assert_eq!(found.errors.len(), 8 + 9);
     assert!(found.outside.is_empty(), "{:?}", found.outside);
     for MaterialError { material, model, mean_absolute_error, mean_radiance } in &found.errors {
@@ -55,7 +55,7 @@ fn models_are_near_to_the_truth_of_nine_materials() {
 }
 
 #[test]
-fn tables_of_other_models_are_refused_and_materials_outside_of_one_told() {
+fn tables_of_other_models_are_rejected_and_materials_outside_a_table_are_listed() {
     let choices = MaterialChoices { size: SIDE, ..MaterialChoices::default() };
     let sheen = fitted(r#"{"brdf": "fuzz", "resolution": {"alpha": 4, "theta": 4}}"#);
     let refused = drawn(&sheen, &choices).expect_err("a table of fuzz");
@@ -65,7 +65,7 @@ fn tables_of_other_models_are_refused_and_materials_outside_of_one_told() {
     );
     let found = drawn(&round, &choices).expect("a picture");
     assert_eq!(found.outside, ["brushed steel", "coated brass"]);
-    // Gold needs no edge term of the table.
+    // Gold does not need the table's edge term.
     let gold = found.errors.iter().find(|error| error.material == "gold, F82").expect("gold");
     assert!(gold.mean_absolute_error < 0.06 * gold.mean_radiance, "{gold:?}");
     let bare =

@@ -1,4 +1,5 @@
-//! Random surfaces and rectangles for pictures, equal in every run, and the true light by GGX in each channel.
+//! Random surfaces and rectangles for pictures, with the true light of GGX in each channel. They are the same in every
+//! run.
 
 use std::f64::consts::TAU;
 
@@ -19,19 +20,20 @@ use rayon::prelude::*;
 use super::pictures::{CHANNELS, Pictures};
 use crate::draw::Draw;
 
-/// Sizes of the pictures in texels: squares, and rectangles two and four times as long as wide.
+/// Sizes of the pictures in texels: squares, and rectangles that are two or four times as long as wide.
 pub(super) const FORMS: [[usize; 2]; 5] = [[512, 512], [512, 256], [256, 512], [512, 128], [128, 512]];
-/// The truth's tolerance: a fiftieth of the mean error of the best row.
+/// The tolerance of the truth: a fiftieth of the mean error of the best row.
 pub(super) const TOLERANCE: f64 = 1e-4;
-/// One spare case for this many cases. For one or two in a thousand, with smooth surfaces and grazing views, the truth
-/// does not converge.
+/// There is one spare case for this many cases. The truth does not converge for one or two cases in a thousand, with
+/// smooth surfaces and grazing views.
 const SPARE: usize = 100;
 
-/// The distributions from which cases are drawn.
+/// The sets of cases. Each has its own distribution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Set {
-    /// Alpha .01 to 1, even in its root, ratio 0 to 1, views to 88 degrees. The half sizes of lights are .05 to 1.2,
-    /// even in their logarithm, at distance one around a direction that the lobe reflects.
+    /// Alpha .01 to 1, evenly distributed in its root, ratio 0 to 1, and views up to 88 degrees. The half sizes of
+    /// lights are .05 to 1.2, evenly distributed in their logarithm. Lights are at distance one around a direction that
+    /// the lobe reflects.
     Random,
     /// `Random` with alpha .1 to .6 and ratio .03 to .23.
     Anisotropic,
@@ -39,8 +41,8 @@ pub(super) enum Set {
     Grazing,
     /// `Random` with alpha .6 to 1 and ratio .5 to 1.
     Rough,
-    /// Upright walls on the surface opposite the viewer, .3 to 2 away. Some begin up to a tenth of their height below
-    /// the surface, and some up to a fourth above it.
+    /// Upright walls opposite the viewer, .3 to 2 away. Their lower edge is between a tenth of their height below the
+    /// surface and a quarter of their height above it.
     Floor,
     /// `Random` with views from 85 to 89 degrees.
     Horizon,
@@ -49,7 +51,7 @@ pub(super) enum Set {
 pub(super) const SETS: [Set; 6] = [Set::Random, Set::Anisotropic, Set::Grazing, Set::Horizon, Set::Rough, Set::Floor];
 
 impl Set {
-    /// Its name in tables.
+    /// The name of the set in tables.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Random => "random",
@@ -62,7 +64,7 @@ impl Set {
     }
 }
 
-/// A surface, a light and its true reflection.
+/// A surface, a light and its true reflected light.
 #[derive(Debug, Clone)]
 pub(super) struct Case {
     /// The surface and the view.
@@ -93,7 +95,7 @@ pub(super) fn cases(set: Set, count: usize, pictures: &[Pictures]) -> Vec<Case> 
     known.into_iter().flatten().take(count).collect()
 }
 
-/// Surfaces, lights and forms of pictures of a set: `count` and some spare cases.
+/// Surfaces, lights and picture sizes of a set: `count` cases, and some spare cases.
 pub(super) fn drawn(set: Set, count: usize) -> Vec<(Configuration, TexturedLight, usize)> {
     let mut draw = Generator(Draw::new(44_000 + set as u64));
     (0..=count + count / SPARE).map(|_| draw.valid(set)).collect()

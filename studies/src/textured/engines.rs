@@ -1,7 +1,8 @@
-//! The reading of a picture on a light by engines, from their sources: one reading each, in the space of the cosine.
+//! How engines read a picture on a light, from their sources: with one read each, in the space of the cosine.
 //!
-//! All read the prefilter of docs/textured.md at the level with the blur of their own prefilter. The study compares the
-//! place and the width of their readings. Blurs are standard deviations along an axis, in texels of a level.
+//! In this study, all of them read the prefiltered picture of docs/textured.md, at the level with the blur of their own
+//! prefilter. The study compares the position and the width of these reads. Blurs are standard deviations along an
+//! axis, in texels of a level.
 
 use std::f64::consts::PI;
 
@@ -15,7 +16,7 @@ use ltcforge::{
     },
 };
 
-/// An engine that has pictures on area lights.
+/// An engine that supports pictures on area lights.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Engine {
     /// Babylon.js, `ltcHelperFunctions.fx` and `areaLightsTextureTools.ts` as of c79f559 (2025).
@@ -29,7 +30,7 @@ pub(super) enum Engine {
 impl Engine {
     pub(super) const ALL: [Self; 3] = [Self::Babylon, Self::Godot, Self::Hdrp];
 
-    /// Its name in tables.
+    /// The name of the engine in tables.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Babylon => "Babylon.js",
@@ -49,7 +50,7 @@ impl Engine {
         let mean = (at.alpha_x * at.alpha_y).sqrt();
         let at = Configuration { alpha_x: mean, alpha_y: mean, ..*at };
         match self {
-            // Babylon.js uses the part above the horizon of the sphere with the same form factor. The other engines
+            // Babylon.js computes the part above the horizon from a sphere with the same form factor. The other engines
             // clip.
             Self::Babylon => {
                 let energy = EngineWay::Clipless.reflected(Some(table), &at, light.polygon()).expect("a surface");
@@ -59,7 +60,7 @@ impl Engine {
         }
     }
 
-    /// The reflected light by a table as in `ltcforge`, with the reading of the engine.
+    /// The reflected light by a table as `ltcforge` uses it, with the engine's read of the picture.
     pub(super) fn by_table(
         self,
         table: &Table,
@@ -102,7 +103,7 @@ struct Projected {
     area: f64,
     /// The direction of the vector form factor.
     flux: DVec3,
-    /// The root of the picture's number of texels.
+    /// The square root of the picture's number of texels.
     texels: f64,
 }
 
@@ -116,7 +117,7 @@ impl Projected {
         Self { corner, sides: [x, y], normal: across / area, area, flux, texels }
     }
 
-    /// The picture coordinates of a point of the plane.
+    /// The picture coordinates of a point in the plane.
     fn uv(&self, p: DVec3) -> [f64; 2] {
         let from_corner = p - self.corner;
         let part = |side: DVec3, other: DVec3| {
@@ -126,24 +127,25 @@ impl Projected {
         [part(self.sides[0], self.sides[1]), part(self.sides[1], self.sides[0])]
     }
 
-    /// The distance of the plane over the root of the area.
+    /// The distance to the plane, divided by the square root of the area.
     fn distance(&self) -> f64 {
         self.corner.dot(self.normal).abs() / self.area.sqrt()
     }
 
-    /// The picture coordinates of the foot of the perpendicular.
+    /// The picture coordinates of the foot of the perpendicular on the plane.
     fn foot(&self) -> [f64; 2] {
         self.uv(self.corner.dot(self.normal) * self.normal)
     }
 
-    /// The level of the demo of [Heitz et al. 2016], whose levels widen by three: log3 of 2048 distances.
+    /// The level in the demo of [Heitz et al. 2016]: log3 of 2048 times the distance. The width grows by a factor of
+    /// three per level.
     fn level(&self) -> f64 {
         (2048.0 * self.distance()).max(1e-9).ln() / 3.0_f64.ln()
     }
 
-    /// Place and width of the reading by Babylon.js: at the foot of the perpendicular. The picture is the inner three
-    /// fourths of 1024 x 1024 texels. Around it the picture is mirrored and blurred by half the distance. Levels are
-    /// the halved means of a GPU, which blur by half a texel.
+    /// Position and width of the read in Babylon.js, at the foot of the perpendicular. The picture is in the inner
+    /// three quarters of 1024 x 1024 texels. Around it, the picture is mirrored and blurred by half the distance. The
+    /// GPU halves the levels by means of texels, which blur by half a texel.
     fn babylon(&self) -> ([f64; 2], f64) {
         const PICTURE: f64 = 768.0;
         const BORDER: f64 = 1.0 / 6.0;
@@ -154,17 +156,19 @@ impl Projected {
         (uv, of_level.hypot(0.5 * outside[0].max(outside[1])))
     }
 
-    /// Place and width of the reading by Godot: where the vector form factor meets the light. Levels have the picture's
-    /// texels. Each is blurred by a Gaussian of nine texels after it is halved. All steps together blur by two texels.
+    /// Position and width of the read in Godot: where the direction of the vector form factor meets the light. Levels
+    /// have the texels of the picture. After each halving, a Gaussian of nine texels blurs the level. All steps
+    /// together blur by two texels.
     fn godot(&self) -> ([f64; 2], f64) {
         let met = self.flux * (self.corner.dot(self.normal) / self.flux.dot(self.normal));
         let level = self.level().clamp(0.0, self.texels.log2());
         (self.uv(met).map(|x| x.clamp(0.0, 1.0)), 2.0 * level.exp2() / self.texels)
     }
 
-    /// Place and width of the reading by HDRP: at the foot of the perpendicular, with the width of a disk whose radius
-    /// is the distance at which the vector form factor meets the plane. Below a perceptual roughness of .3 levels end
-    /// earlier, and at 0 the fourth is the last. Halving blurs seven texels. All steps together blur by .8 texels.
+    /// Position and width of the read in HDRP, at the foot of the perpendicular. The width is that of a disk whose
+    /// radius is the distance at which the direction of the vector form factor meets the plane. Below a perceptual
+    /// roughness of .3 there are fewer levels, and at 0 the fourth is the last. Halving uses seven texels. All steps
+    /// together blur by .8 texels.
     fn hdrp(&self, perceptual_roughness: f64) -> ([f64; 2], f64) {
         let hit = self.corner.dot(self.normal) / self.flux.dot(self.normal);
         let count = self.texels.log2();
@@ -180,8 +184,8 @@ mod tests {
     use super::*;
     use glam::DMat3;
 
-    /// All engines read a light straight above a diffuse surface in its middle, with the width of their formulas. The
-    /// distance is half the side.
+    /// For a light straight above a diffuse surface, all engines read the middle of the picture, with the width of
+    /// their formulas. The distance is half the side.
     #[test]
     fn a_light_straight_above_is_read_in_its_middle() {
         let vertices = [[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]].map(|[x, y]| DVec3::new(x, y, 1.0));
@@ -192,11 +196,11 @@ mod tests {
             assert!(uv.iter().all(|x| (x - 0.5).abs() < 1e-9), "{uv:?}");
             assert!((radius / wanted - 1.0).abs() < 1e-6, "{radius} {wanted}");
         }
-        // A smooth surface reads no level above the fourth.
+        // For a smooth surface, HDRP reads no level coarser than the fourth.
         assert!((light.hdrp(0.0).1 - 0.8 * 8.0 / 512.0).abs() < 1e-12);
     }
 
-    /// The foot of a light to the side is a tenth of its width outside, where Babylon.js mirrors and blurs.
+    /// The foot of a light to the side is a tenth of the light's width outside it. Babylon.js mirrors and blurs there.
     #[test]
     fn a_foot_outside_is_read_at_the_border() {
         let vertices = [[0.1, 0.5], [1.1, 0.5], [1.1, -0.5], [0.1, -0.5]].map(|[x, y]| DVec3::new(x, y, 0.01));

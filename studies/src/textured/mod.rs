@@ -1,4 +1,4 @@
-//! The tables of docs/textured.md: lights with pictures, by the reading of engines, by the kernel of a table and by
+//! The tables of docs/textured.md: lights with pictures, read as engines do, by the kernel of a table, and by
 //! `normals`.
 
 mod cases;
@@ -34,24 +34,24 @@ use crate::{
     tables::fitted,
 };
 
-/// Factors on the width of the engines' reading. The levels of mipmaps differ between engines, and docs/textured.md
-/// shows the best factor.
+/// Factors on the width of the engines' read. Mip levels differ between engines, and docs/textured.md shows the best
+/// factor.
 const WIDTHS: [f64; 3] = [1.0, 1.4, 2.0];
 
-/// The light of each channel of a case, by one method.
+/// The light of each channel of a case, for one method.
 type Way<'a> = Box<dyn Fn(&Case) -> Vec<f64> + Sync + 'a>;
 
-/// The table, with `lights` cases in each set.
+/// The table of docs/textured.md, with `lights` cases per set.
 ///
 /// # Errors
-/// None, unless preset `paper` is not a recipe.
+/// None, because preset `paper` is a recipe.
 pub fn tables(lights: usize) -> Result<String, ltcforge::Error> {
     let table = fitted(&Recipe::builder().preset(Preset::Paper).build()?);
     let isotropic = fitted(&Recipe::builder().preset(Preset::Paper).layout(Layout::Ltc2017).build()?);
     Ok(tables_of([&table, &isotropic], lights))
 }
 
-/// The table for a table of LTCs and an isotropic table of engines.
+/// The table of docs/textured.md, measured with a table of LTCs and an isotropic table of engines.
 ///
 /// # Panics
 /// Never: all drawn lights are valid.
@@ -142,7 +142,7 @@ fn ways<'a>([table, isotropic]: [&'a Table; 2], pictures: &'a [Pictures]) -> Vec
     ways
 }
 
-/// One reading where the vector form factor meets the light.
+/// One read of the picture, where the direction of the vector form factor meets the light.
 fn by_engines_reading(
     table: &Table,
     at: &Configuration,

@@ -1,4 +1,4 @@
-//! Pictures of eighteen channels: dots, checkers, stripes, ramps, noise, windows, letters.
+//! Pictures with eighteen channels: dots, checkers, stripes, ramps, noise, windows and letters.
 
 use ltcforge::light::textured::{LightImage, LightPyramid, TexturedReflection};
 use rand_core::{Rng, SeedableRng};
@@ -7,7 +7,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 /// The number of channels.
 pub(super) const CHANNELS: usize = 18;
 
-/// Six pictures of three channels with one size, and their pyramids.
+/// Six pictures with three channels each, all of one size, and their pyramids.
 #[derive(Debug)]
 pub(super) struct Pictures {
     /// The pictures.
@@ -17,7 +17,7 @@ pub(super) struct Pictures {
 }
 
 impl Pictures {
-    /// Pictures with a width and a height, and square texels.
+    /// Pictures of this width and height, with square texels.
     pub(super) fn new(size: [usize; 2]) -> Self {
         let texels = texels(size);
         let image = |i: usize| {
@@ -39,7 +39,7 @@ fn uniform(random: &mut Xoshiro256PlusPlus) -> f64 {
     (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-/// Noise by octaves of a lattice, each half as strong as the previous octave: about 1/f.
+/// Noise from octaves of a lattice. Each octave is half as strong as the previous, which gives about 1/f.
 fn noise(seed: u64) -> impl Fn(f64, f64) -> f64 {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let octaves: Vec<Vec<f64>> = (0..7)
@@ -71,7 +71,7 @@ fn mosaic(seed: u64, n: usize) -> impl Fn(f64, f64) -> f64 {
     move |u, v| cells[((v * n as f64) as usize).min(n - 1) * n + ((u * n as f64) as usize).min(n - 1)]
 }
 
-/// The texels of a size.
+/// The texels of a picture with this size.
 fn texels(size: [usize; 2]) -> Vec<[f32; CHANNELS]> {
     let fields = [11, 12, 13].map(noise);
     let [tiles, letters] = [mosaic(21, 16), mosaic(22, 48)];

@@ -1,4 +1,4 @@
-//! The table of docs/textured.md for lamps with a profile: lights whose radiance only depends on the direction.
+//! The table of docs/textured.md for lamps with a profile: the radiance of these lights only depends on the direction.
 
 use std::fmt::Write as _;
 
@@ -27,7 +27,7 @@ use crate::{
 /// Side of a profile in texels.
 const SIDE: usize = 512;
 
-/// The radiance of a direction, up to one.
+/// The radiance in a direction, at most one.
 type Profile = fn(DVec3) -> f64;
 
 const PROFILES: [(&str, Profile); 3] = [
@@ -36,13 +36,13 @@ const PROFILES: [(&str, Profile); 3] = [
     ("asymmetric, tilted by 35 degrees", |d| d.dot(direction(0.61, 0.0)).max(0.0).powi(12)),
 ];
 
-/// The direction from a place of the light to the shaded point, around the lamp's axis.
+/// The direction from a point of the light to the shaded point, in the frame of the lamp's axis.
 fn direction_of(window: &ProfileWindow, uv: [f64; 2]) -> DVec3 {
     let [x, y] = window.tangents(uv);
     DVec3::new(x, y, 1.0).normalize()
 }
 
-/// The pyramid of the profiles, each in a channel.
+/// The pyramid of the profiles, with one profile per channel.
 fn pyramid() -> LightPyramid {
     let texel = |i: usize| {
         let [x, y] = [i % SIDE, i / SIDE].map(|i| ((i as f64 + 0.5) / SIDE as f64 - 0.5) * 2.0 * PROFILE_TANGENT);
@@ -54,7 +54,7 @@ fn pyramid() -> LightPyramid {
 
 const WAYS: [&str; 4] = ["at the light's middle", "one reading", "four readings", "four, without a blur"];
 
-/// The light of each profile by each method.
+/// The light of each profile, for each method.
 fn found(at: &Configuration, light: &TexturedLight, pyramid: &LightPyramid) -> [[f64; 3]; 4] {
     let corners = [0, 1, 2, 3].map(|i| light.polygon().vertices()[i].to_array());
     let wo = direction(at.theta, at.phi).to_array();
@@ -75,7 +75,7 @@ fn found(at: &Configuration, light: &TexturedLight, pyramid: &LightPyramid) -> [
     [at_point([0.5, 0.5]), blurred(&one), blurred(&four), sharp].map(|values| values.map(|value| value * energy))
 }
 
-/// The true reflected light of a light with each profile, and the error of each method.
+/// The true reflected light for each profile, and the error of each method.
 type Measured = ([f64; 3], [[f64; 3]; 4]);
 
 fn measured(set: Set, lights: usize, pyramid: &LightPyramid) -> Vec<Measured> {
@@ -96,7 +96,7 @@ fn measured(set: Set, lights: usize, pyramid: &LightPyramid) -> Vec<Measured> {
     known.into_iter().flatten().take(lights).collect()
 }
 
-/// The table of docs/textured.md, with `lights` cases in each set.
+/// The table of docs/textured.md, with `lights` cases per set.
 ///
 /// # Panics
 /// Never: all drawn lights are valid.
@@ -133,8 +133,8 @@ pub fn profiles(lights: usize) -> String {
 mod tests {
     use super::*;
 
-    /// docs/textured.md states a fourth of the error of the light's middle, and on rough surfaces half the error
-    /// without a blur.
+    /// Four readings have about a quarter of the error of the profile at the light's middle, as in docs/textured.md. On
+    /// rough surfaces, a blur about halves their error.
     #[test]
     fn four_readings_follow_a_profile() {
         let pyramid = pyramid();

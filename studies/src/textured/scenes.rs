@@ -1,4 +1,5 @@
-//! Pictures of docs/textured.md: a dot on spheres and a window on a floor, by the truth, by `normals` and by engines.
+//! Pictures of docs/textured.md: a dot on spheres and a window on a floor. They show the truth, `normals`, and the way
+//! engines read pictures.
 
 use std::{fs, io, path::Path};
 
@@ -17,29 +18,29 @@ use rayon::prelude::*;
 use super::by_engines_reading;
 use crate::tables::fitted;
 
-/// Side of a panel in pixels, and side of a picture in texels.
+/// Side of a panel in pixels, and of a picture in texels.
 const SIDE: usize = 144;
 const TEXELS: usize = 64;
-/// The tolerance of a pixel's truth: less than a step of eight bits.
+/// The tolerance of a pixel's true value: less than a step of eight bits.
 const TOLERANCE: f64 = 5e-4;
-/// The best width of the engines' reading in the table of docs/textured.md.
+/// The best width of the engines' read, from the table of docs/textured.md.
 const ENGINES_WIDTH: f64 = 1.4;
 
-/// The point of a surface in a pixel: its tangent frame and its place.
+/// The surface point in a pixel: its tangent frame and its position.
 struct Point {
     place: DVec3,
     tangent: DVec3,
     normal: DVec3,
-    /// The direction towards the camera.
+    /// The direction to the camera.
     wo: DVec3,
 }
 
-/// A surface, its point in a pixel, and a light.
+/// A surface as a function of the pixel, and a light.
 struct Scene {
     name: &'static str,
     alpha: [f64; 2],
     corners: [DVec3; 4],
-    /// The texel of the picture at u and v.
+    /// The picture's value at u and v.
     texel: fn(f64, f64) -> f64,
     point: fn(f64, f64) -> Option<Point>,
     exposure: f64,
@@ -82,10 +83,10 @@ const SCENES: [Scene; 3] = [
     Scene { name: "alpha .12, .05", alpha: [0.05, 0.12], corners: WALL, texel: window, point: floor, exposure: 1.0 },
 ];
 
-/// Draws the scenes and writes them as a PNG.
+/// Draws the scenes and writes them as a PNG file.
 ///
 /// # Errors
-/// When the file cannot be written, or preset `draft` is not a recipe.
+/// The file cannot be written, or preset `draft` is not a recipe.
 pub fn write(path: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let table = fitted(&Recipe::builder().preset(Preset::Draft).build()?);
     let drawn: Vec<[Picture; 3]> = SCENES.iter().map(|scene| panels(scene, &table)).collect();
@@ -102,7 +103,7 @@ pub fn write(path: &Path) -> Result<(), Box<dyn std::error::Error>> {
     Ok(fs::write(path, bytes)?)
 }
 
-/// The scene by each method.
+/// The scene, for each method.
 fn panels(scene: &Scene, table: &Table) -> [Picture; 3] {
     let texel = |i: usize| {
         let [u, v] = [i % TEXELS, i / TEXELS].map(|x| (x as f64 + 0.5) / TEXELS as f64);

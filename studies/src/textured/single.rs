@@ -1,4 +1,4 @@
-//! The functions of the shaders to include, in f32 as on a GPU.
+//! The functions of the shader texts, in f32 as on a GPU.
 
 use glam::Mat3;
 use ltcforge::{
@@ -11,12 +11,12 @@ use ltcforge::{
     },
 };
 
-/// A light's corners relative to the shaded point.
+/// The corners of a light, relative to the shaded point.
 fn corners(light: &TexturedLight) -> [[f32; 3]; 4] {
     [0, 1, 2, 3].map(|i| light.polygon().vertices()[i].as_vec3().to_array())
 }
 
-/// The parts of a light, coloured by readings of its picture. The rounding of a sampler is not included.
+/// The parts of a light, coloured by reads of its picture. The rounding of a sampler is not included.
 fn coloured(parts: [f32; 2], readings: &[Reading<f32>], pyramid: &LightPyramid) -> TexturedReflection {
     let readings: Vec<Reading<f64>> = readings
         .iter()
@@ -47,7 +47,7 @@ pub(super) fn by_normals(
 /// Twin of `ltc_textured_rectangle`, with the terms of the table.
 ///
 /// # Panics
-/// For a table without terms, or an entry that is not an LTC.
+/// The table has no terms, or an entry is not an LTC.
 pub(super) fn by_table(
     table: &Table,
     at: &Configuration,
@@ -57,7 +57,7 @@ pub(super) fn by_table(
 ) -> TexturedReflection {
     let found = table.lookup(at);
     let [amplitude, fresnel] = [found.amplitude, found.fresnel].map(|term| term.expect("a term") as f32);
-    // `ltc_inverse` returns the adjugate over its largest number.
+    // `ltc_inverse` returns the adjugate divided by its largest number.
     let m = Mat3::from_cols_array(&found.matrix.map(|x| x as f32)).transpose();
     let rows = [m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis)];
     let largest = rows.iter().map(|row| row.abs().max_element()).fold(0.0, f32::max);

@@ -1,4 +1,4 @@
-//! The figures of docs/textured.md, from fewer lights.
+//! Checks the figures of docs/textured.md with fewer lights.
 
 use std::{collections::BTreeMap, sync::LazyLock};
 
@@ -14,10 +14,10 @@ use crate::textured::cases::Set;
 
 const DOCUMENT: &str = include_str!("../../../docs/textured.md");
 
-/// The tested sets, and the number of lights of each: the first of the document's 900.
+/// The tested sets, with the number of lights per set. They are the first of the 900 lights in the document.
 const TESTED: [Set; 5] = [Set::Random, Set::Anisotropic, Set::Grazing, Set::Rough, Set::Floor];
 const LIGHTS: usize = 180;
-/// The relative tolerance of the mean and of the 95th percentile against all 900 lights.
+/// The relative tolerance of the mean and of the 95th percentile, compared with all 900 lights.
 const MARGIN: [f64; 2] = [0.12, 0.15];
 
 /// The tested rows of the document's table.
@@ -26,7 +26,7 @@ const ROWS: [&str; 3] = ["LTC, its own kernel, 4", "`normals`, `balanced`, 1", "
 static TABLE: LazyLock<Table> =
     LazyLock::new(|| fitted(&Recipe::builder().preset(Preset::Paper).build().expect("a recipe")));
 
-/// Mean and 95th percentile of a row, by set.
+/// Mean and 95th percentile of a row, for each set.
 fn stated(row: &str) -> BTreeMap<&'static str, [f64; 2]> {
     let cells = |line: &'static str| line.trim_matches('|').split('|').map(str::trim).skip(1);
     let head = DOCUMENT.lines().find(|line| line.starts_with("| | random (mean")).expect("a table");
@@ -40,7 +40,7 @@ fn stated(row: &str) -> BTreeMap<&'static str, [f64; 2]> {
 }
 
 #[test]
-fn errors_are_those_of_the_document() {
+fn errors_agree_with_the_document() {
     let pictures: Vec<Pictures> = cases::FORMS.into_par_iter().map(Pictures::new).collect();
     let ways = ways([&TABLE, &TABLE], &pictures);
     let tested = ROWS.map(|row| (ways.iter().find(|(name, _)| name == row).expect("a way"), stated(row)));
@@ -54,7 +54,7 @@ fn errors_are_those_of_the_document() {
             });
             let Spread { mean, p95, .. } = Spread::of(errors.collect());
             let [a, b] = stated[set.name()];
-            println!("{name}, {}: {mean:.5} / {p95:.4}, by the document {a} / {b}", set.name());
+            println!("{name}, {}: {mean:.5} / {p95:.4}, documented {a} / {b}", set.name());
             if (mean / a - 1.0).abs() > MARGIN[0] || (p95 / b - 1.0).abs() > MARGIN[1] {
                 outside.push(format!("{name}, {}: {mean:.5} / {p95:.4}, not {a} / {b}", set.name()));
             }
@@ -63,9 +63,9 @@ fn errors_are_those_of_the_document() {
     assert!(outside.is_empty(), "{outside:#?}");
 }
 
-/// Like `jumps_along_random_paths_are_small` of the core for `normals`: the test bisects paths to their jumps.
+/// Like `jumps_along_random_paths_are_small` of the core for `normals`: the test bisects paths to find jumps.
 #[test]
-fn tables_only_jump_by_rounding() {
+fn tables_jump_only_by_rounding_errors() {
     let pyramid = &Pictures::new([128, 128]).pyramids[0];
     let used = (TableUse::default(), Readings::Four);
     let most = |seed: u64| {
@@ -88,6 +88,6 @@ fn tables_only_jump_by_rounding() {
     };
     let jumps: Vec<f64> = (0..300).into_par_iter().map(most).collect();
     let most = jumps.iter().copied().fold(0.0, f64::max);
-    println!("jumps by {most:.1e} at most");
+    println!("largest jump: {most:.1e}");
     assert!(most < 1e-9, "{most}");
 }

@@ -5,7 +5,7 @@
 
 import { height, light, pictures, redFromTop, table, width } from '/world.js';
 
-/** Draws every picture, as in three.js, but without its third argument. `tables` is required. */
+/** Draws every picture, like the function for three.js, but without its third argument. `tables` is required. */
 export async function draw( tables, dielectric ) {
 
 	const BABYLON = await library();
@@ -23,7 +23,7 @@ export async function draw( tables, dielectric ) {
 	const material = new BABYLON.PBRMaterial( 'metal', scene );
 	material.metallic = 1;
 	material.albedoColor = BABYLON.Color3.White();
-	// The table is fitted to single scattering. This option would add an estimate of multiple scattering.
+	// The table is fitted to single scattering. This option would add an approximation of multiple scattering.
 	material.brdf.useEnergyConservation = false;
 	floor.material = material;
 	const plastic = material.clone( 'plastic' );
@@ -35,7 +35,7 @@ export async function draw( tables, dielectric ) {
 	}
 
 	const lamp = new BABYLON.RectAreaLight( 'lamp', BABYLON.Vector3.Zero(), light.width, light.height, scene );
-	// The light shines along -z and only turns with its parent.
+	// The light shines along -z and rotates only with its parent.
 	const holder = new BABYLON.TransformNode( 'holder', scene );
 	const [ x, y, z ] = light.axes.map( ( axis ) => new BABYLON.Vector3( ...axis ) );
 	holder.rotationQuaternion = BABYLON.Quaternion.RotationQuaternionFromAxis( x.negate(), y, z.negate() );
@@ -52,7 +52,7 @@ export async function draw( tables, dielectric ) {
 	target.renderList = [ floor ];
 	scene.customRenderTargets.push( target );
 
-	// Textures report that they are ready before their numbers are loaded, so wait for the table.
+	// Textures report that they are ready before their numbers are loaded, so this waits for the table.
 	const { LTC1, LTC2 } = scene._ltcTextures;
 	await Promise.all( [ LTC1, LTC2 ].map( ( texture ) => updated( BABYLON, texture ) ) );
 

@@ -1,4 +1,4 @@
-// The first draw of a floor by Babylon.js.
+// Measures the first draw of a floor in Babylon.js.
 
 import { lightsOf, surfaces } from '/examples/common/scene.js';
 import { withClosedFormAreaLights } from '/examples/babylon/ggx_area_light.js';
@@ -22,7 +22,7 @@ export async function firstDraw( way, lights ) {
 
 	};
 
-	// The start of the context and of the unlit lamps does not count.
+	// The start of the context and of the unlit lamps is not measured.
 	await milliseconds( ( material ) => Object.assign( material, { unlit: true } ) );
 	return milliseconds( ( material ) => text ? withClosedFormAreaLights( material, text, BABYLON ) : material );
 

@@ -1,4 +1,4 @@
-// The first draw of a floor by PlayCanvas.
+// Measures the first draw of a floor in PlayCanvas.
 
 import { lightsOf, surfaces } from '/examples/common/scene.js';
 import { withClosedFormAreaLights } from '/examples/playcanvas/ggx_area_light.js';
@@ -25,7 +25,7 @@ export async function firstDraw( way, lights, _, unclustered ) {
 
 	};
 
-	// The start of the context and of the unlit lamps does not count.
+	// The start of the context and of the unlit lamps is not measured.
 	await milliseconds( ( material ) => {
 
 		Object.assign( material, { useLighting: false } ).update();

@@ -1,4 +1,4 @@
-// The first draw of a floor by three.js.
+// Measures the first draw of a floor in three.js.
 
 import * as THREE from 'three';
 import { RectAreaLightUniformsLib } from 'three/addons/lights/RectAreaLightUniformsLib.js';
@@ -39,7 +39,7 @@ export async function firstDraw( way, lights, clearcoat ) {
 
 	};
 	const shown = [ surfaces[ 0 ] ];
-	// The start of the context and of the lamps, which have basic materials, does not count.
+	// The start of the context and of the lamps, which have basic materials, is not measured.
 	milliseconds( litScene( lightsOf( lights ), ( material ) => new THREE.MeshBasicMaterial( { color: material.color } ), { shown } ) );
 	return milliseconds( litScene( lightsOf( lights ), patch, { shown } ) );
 

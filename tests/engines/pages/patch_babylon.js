@@ -1,5 +1,5 @@
-// The effect of the package of examples/babylon on materials: pictures of two surfaces under two lights, and errors for
-// invalid inputs.
+// Tests the effect of the package of examples/babylon on materials: pictures of two surfaces under two lights, and
+// errors for invalid inputs.
 
 import { fromTop } from '/examples/common/pixels.js';
 import { lightsOf, surfaces } from '/examples/common/scene.js';
@@ -41,7 +41,7 @@ export async function draw() {
 	};
 	const materialsOf = ( scene ) => scene.materials.filter( ( { name } ) => name === 'metal' );
 
-	// Materials of equal scenes, one after the other, so that Babylon could confuse their shaders.
+	// Materials of equal scenes, one after another. Babylon could confuse their shaders.
 	const ways = {
 		stock: ( material ) => material,
 		ours: closed,
@@ -76,7 +76,7 @@ export async function draw() {
 	await drawn( 'moved', moved );
 	moved.dispose();
 
-	// Babylon itself lights a light with a picture.
+	// Babylon itself must light a light that has a picture.
 	for ( const [ name, patch ] of [ [ 'stock, light with a picture', ways.stock ], [ 'light with a picture', closed ] ] ) {
 
 		const scene = await sceneOf( patch );
@@ -87,7 +87,7 @@ export async function draw() {
 
 	}
 
-	// Equal numbers in a left-handed scene give the mirrored picture.
+	// The same numbers in a left-handed scene give the mirrored picture.
 	const left = await sceneOf( closed, { rightHanded: false } );
 	const mirrored = await drawn( 'left-handed', left );
 	pictures[ 'left-handed' ] = mirrored.map( ( _, i ) => mirrored[ 4 * ( Math.floor( i / 4 / width ) * width + width - 1 - Math.floor( i / 4 ) % width ) + i % 4 ] );
@@ -108,7 +108,7 @@ export async function draw() {
 	};
 	old.dispose();
 
-	// Another version of Babylon has other lines, when the material is patched or at the first frame.
+	// Another version of Babylon has other lines. The error comes when the material is patched, or at the first frame.
 	const store = BABYLON.ShaderStore.IncludesShadersStore;
 	const { lightFragment } = store;
 	store.lightFragment = lightFragment.replace( 'computeAreaSpecularLighting(preInfo', 'computeAreaSpecularLighting( preInfo' );

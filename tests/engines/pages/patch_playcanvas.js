@@ -1,5 +1,5 @@
-// The effect of the package of examples/playcanvas on materials: pictures of two surfaces under two lights, and errors
-// for invalid inputs.
+// Tests the effect of the package of examples/playcanvas on materials: pictures of two surfaces under two lights, and
+// errors for invalid inputs.
 
 import * as pc from 'playcanvas';
 import { fromTop } from '/examples/common/pixels.js';
@@ -83,7 +83,7 @@ export async function draw() {
 	await drawn( 'moved', moved );
 	moved.destroy();
 
-	// PlayCanvas itself lights other shapes, also together with rectangles.
+	// PlayCanvas itself must light other shapes, also together with rectangles.
 	for ( const [ name, patch ] of [ [ 'stock, disk', ways.stock ], [ 'disk', closed ] ] ) {
 
 		const scene = litScene( app, lamps, patch, shown );
@@ -97,7 +97,7 @@ export async function draw() {
 	app.destroy();
 	app = lit( false );
 	await drawWays( ways, ', unclustered' );
-	// A coat of reflectance one adds the light of white metal. Lamps and the sky are equal in all pictures.
+	// A coat with reflectance one adds the light of white metal. Lamps and the sky are the same in all pictures.
 	const coats = [ '', ', unclustered' ].map( ( more ) => {
 
 		const [ bare, under ] = [ pictures[ `black${ more }` ], pictures[ `coat on black${ more }` ] ];

@@ -1,4 +1,4 @@
-// The effect of the patch of examples/three on materials: pictures of white metal under clearcoat, and errors for
+// Tests the effect of the patch of examples/three on materials: pictures of white metal under clearcoat, and errors for
 // invalid inputs.
 
 import * as THREE from 'three';
@@ -58,7 +58,7 @@ export async function draw() {
 	drawn( 'by a table', withTableAreaLights( fresh(), tableGlsl, stored ) );
 	drawn( 'patched again', withClosedFormAreaLights( withTableAreaLights( fresh(), tableGlsl, stored ), balanced ) );
 
-	// Hooks of the user: set before the patch, set after it, and set after it with a call of the previous hook.
+	// Hooks of the user: set before the patch, set after it, and set after it with a call to the previous hook.
 	const before = fresh();
 	before.onBeforeCompile = brighter( 2 );
 	before.customProgramCacheKey = () => 'twice';
@@ -80,7 +80,7 @@ export async function draw() {
 	after.customProgramCacheKey = () => `${ key.call( after ) } and twice`;
 	after.needsUpdate = true;
 	drawn( 'four times', after );
-	// Without a key of the user, hooks are distinguished by their source text, as in three.js.
+	// If the user sets no key, hooks are distinguished by their source text, as in three.js.
 	const keys = [ ( shader ) => shader.one = 1, ( shader ) => shader.two = 2 ].map( ( hook ) => {
 
 		const material = withClosedFormAreaLights( fresh(), balanced );

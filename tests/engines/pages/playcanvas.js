@@ -8,7 +8,7 @@ import * as pc from 'playcanvas';
 
 import { height, light, pictures, redFromTop, table, width } from '/world.js';
 
-/** Draws every picture, as in three.js, but without its third argument. `tables` is required. */
+/** Draws every picture, like the function for three.js, but without its third argument. `tables` is required. */
 export async function draw( tables, dielectric ) {
 
 	const app = new pc.Application( document.createElement( 'canvas' ), { graphicsDeviceOptions: { antialias: false } } );
@@ -36,7 +36,7 @@ export async function draw( tables, dielectric ) {
 	const material = new pc.StandardMaterial();
 	material.useMetalness = true;
 	material.useFog = false;
-	// Metal and plastic. One of them is shown at a time.
+	// Metal and plastic. Only one of them is visible at a time.
 	const floors = [ 0, 1 ].map( () => {
 
 		const floor = new pc.Entity();
@@ -81,7 +81,7 @@ export async function draw( tables, dielectric ) {
 	for ( const { f0, roughness, view } of pictures ) {
 
 		floors.forEach( ( floor, i ) => floor.enabled = i === Number( f0 === 0.04 ) );
-		// PlayCanvas's plastic has an f0 of 0.04.
+		// Plastic in PlayCanvas has an f0 of 0.04.
 		material.metalness = f0 === 0.04 ? 0 : 1;
 		// Colours are not linear.
 		const colour = f0 === 0.04 ? 0 : f0 ** ( 1 / 2.2 );

@@ -36,7 +36,7 @@ export async function draw( tables, dielectric, isMixed ) {
 	}
 
 	const renderer = new THREE.WebGLRenderer( { canvas: document.createElement( 'canvas' ) } );
-	// Otherwise three.js uses the tables in half floats.
+	// Otherwise three.js would use the half-float tables.
 	if ( ! renderer.extensions.has( 'OES_texture_float_linear' ) ) throw new Error( 'float textures are not filtered here' );
 
 	const scene = new THREE.Scene();
@@ -65,7 +65,7 @@ export async function draw( tables, dielectric, isMixed ) {
 	};
 	const drawn = pictures.map( ( { f0, roughness, view } ) => {
 
-		// Plastic of three.js has an f0 of 0.04.
+		// Plastic in three.js has an f0 of 0.04.
 		const isPlastic = f0 === 0.04;
 		floor.material = isPlastic && ! isMixed ? plastic : metal;
 		metal.color.setScalar( isPlastic ? 0 : f0 );

@@ -1,4 +1,4 @@
-// three.js with WebGPURenderer, which falls back to WebGL 2 without WebGPU. The rest is as in three.js.
+// three.js with WebGPURenderer, which falls back to WebGL 2 without WebGPU. Everything else is as in three.js.
 
 import * as THREE from 'three/webgpu';
 import { RectAreaLightTexturesLib } from 'three/addons/lights/RectAreaLightTexturesLib.js';
@@ -37,7 +37,7 @@ export async function draw( tables, dielectric, isMixed ) {
 	const drawn = [];
 	for ( const { f0, roughness, view } of pictures ) {
 
-		// Plastic of three.js has an f0 of 0.04.
+		// Plastic in three.js has an f0 of 0.04.
 		const isPlastic = f0 === 0.04;
 		floor.material = isPlastic && ! isMixed ? plastic : metal;
 		metal.color.setScalar( isPlastic ? 0 : f0 );
@@ -49,7 +49,7 @@ export async function draw( tables, dielectric, isMixed ) {
 		renderer.setRenderTarget( target );
 		renderer.render( scene, camera );
 		const read = new Float32Array( ( await renderer.readRenderTargetPixelsAsync( target, 0, 0, width, height ) ).buffer );
-		// WebGPU begins at the top, and its rows are multiples of 256 bytes.
+		// WebGPU starts at the top, and its rows are multiples of 256 bytes.
 		const stride = isWebGPU ? Math.ceil( 16 * width / 256 ) * 64 : 4 * width;
 		drawn.push( isWebGPU ? Array.from( { length: width * height }, ( _, i ) => read[ Math.floor( i / width ) * stride + 4 * ( i % width ) ] ) : redFromTop( read ) );
 

@@ -27,7 +27,8 @@ export async function draw( { width, height, lights, forceWebGL, only, ways } ) 
 		renderer.render( scene, camera );
 		const read = new Float32Array( ( await renderer.readRenderTargetPixelsAsync( target, 0, 0, width, height ) ).buffer );
 		const milliseconds = performance.now() - start;
-		// WebGPU aligns rows to 256 bytes, and these rows are aligned. It begins at the top, and WebGL at the bottom.
+		// WebGPU aligns rows to 256 bytes, and these rows are already aligned. WebGPU starts at the top, and WebGL at the
+		// bottom.
 		if ( read.length !== 4 * width * height ) throw new Error( `${ read.length } numbers were read` );
 		const stride = 4 * width;
 		const rows = Array.from( { length: height }, ( _, row ) => {

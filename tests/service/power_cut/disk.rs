@@ -1,25 +1,25 @@
-//! Possible contents of a disk after the end of a service.
+//! The possible contents of a disk after a service has ended.
 //!
-//! After a kill, the disk has everything that the service wrote. After a power cut, it has all synchronised changes.
-//! Every other write is there completely, partly or not at all, independently of the order. Of the changes to the names
-//! in a folder, the first ones are there, as in journalling file systems, independently for each folder. POSIX allows
-//! this, and crash-consistency checkers assume it: Pillai et al., «All File Systems Are Not Created Equal», OSDI 2014.
+//! After a kill, the disk has all changes of the service. After a power cut, it has all synchronised changes. Every
+//! other write is there completely, partly or not at all, in any order. Of the changes to the names in a folder, only
+//! the first ones are there, as in journalling file systems, independently for each folder. POSIX allows this, and
+//! crash-consistency checkers assume it: Pillai et al., «All File Systems Are Not Created Equal», OSDI 2014.
 
 use std::{collections::BTreeMap, fs, path::Path};
 
 use super::trace::{Change, Event, Inode, ROOT, Trace};
 use crate::common::soak::Random;
 
-/// How a service ends.
+/// How the service ends.
 pub(super) enum End<'a> {
-    /// The system keeps running, and keeps all changes.
+    /// A kill: the system keeps running and keeps all changes.
     Kill,
-    /// The changes that survive are random.
+    /// A power cut: the surviving changes are random.
     PowerCut(&'a mut Random),
 }
 
 impl End<'_> {
-    /// The number of surviving changes, of `changes` that are not synchronised.
+    /// The number of surviving changes, out of `changes` that are not synchronised.
     fn kept(&mut self, changes: usize) -> usize {
         match self {
             Self::Kill => changes,
@@ -36,7 +36,7 @@ impl End<'_> {
     }
 }
 
-/// Writes possible contents of the disk to `to`, if the service ends before line `cut` of the trace.
+/// Writes possible contents of the disk to `to`. The service ends before line `cut` of the trace.
 pub(super) fn after(mut end: End<'_>, trace: &Trace, cut: usize, to: &Path) {
     let begun: Vec<&Event> = trace.events.iter().filter(|event| event.began < cut).collect();
     let is_safe = |event: &Event, of: Inode| {

@@ -1,6 +1,7 @@
-//! Power cuts and kills. The test records the writes of a service. From them it makes possible contents of the disk at
-//! [`CUTS`] or `LTCFORGE_TEST_CUTS` points. A service that starts with these contents must have everything that was
-//! acknowledged. Kills happen between durable steps: a file is synchronised, or gets, changes or loses its name.
+//! Power cuts and kills. The test records the writes of a service. From the record it creates possible contents of the
+//! disk at [`CUTS`] or `LTCFORGE_TEST_CUTS` points. A service that starts with these contents must have everything that
+//! was acknowledged. Kills happen between durable steps: a file is synchronised, or a name is added, changed or
+//! removed.
 
 mod disk;
 mod trace;
@@ -20,19 +21,19 @@ use crate::common::{
 use disk::End;
 use trace::{Change, Trace};
 
-/// Number of points. Each takes about half a second.
+/// The number of points. Each takes about half a second.
 const CUTS: usize = 12;
 
-/// A response that acknowledges something to a client.
+/// A response that acknowledges a change to a client.
 #[derive(Debug)]
 enum Ack {
-    /// A job with its state and, if it is done, with its table.
+    /// A job with its state. If it is done, it has a table.
     Job { id: String, state: String, table: Option<String> },
     /// A file is stored at this address.
     Stored { address: String },
 }
 
-/// The acknowledgements in a trace, each with the line where it begins.
+/// The acknowledgements in a trace. The number is the line where the response starts.
 fn acks(trace: &Trace) -> Vec<(usize, Ack)> {
     let mut all = Vec::new();
     for event in &trace.events {
@@ -55,7 +56,7 @@ fn acks(trace: &Trace) -> Vec<(usize, Ack)> {
     all
 }
 
-/// The trace of a service that fits tables, stores a tabulated BRDF, cancels a job, and gets a recipe again.
+/// The trace of a service that fits tables, stores a tabulated BRDF, cancels a job, and receives a recipe again.
 fn traced() -> Trace {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
@@ -63,7 +64,7 @@ fn traced() -> Trace {
     fs::create_dir(&data).expect("a folder");
     run(folder, ["tabulate", "oren_nayar", "--alpha", "0.2,1", "-o", "brdf"]).exited(0);
     let brdf = fs::read(folder.join("brdf")).expect("the file");
-    // strace runs as a separate process (-D), so the child is the service itself.
+    // strace runs as a separate process (-D), so the child process is the service itself.
     let words = ["-D", "-f", "-xx", "-s", "100000000", "-o", file.to_str().expect("UTF-8"), "-e", trace::CALLS];
     let server = Server::start_under("strace", &words, &data, &["--workers", "2"]);
     for number in 0..3 {
@@ -84,7 +85,7 @@ fn traced() -> Trace {
 /// A trace and its acknowledgements.
 type Recorded = (Trace, Vec<(usize, Ack)>);
 
-/// The recording for both tests. Prints a message and returns `None` if nothing can be traced.
+/// The trace for both tests. Prints a message and returns `None` if tracing is not possible.
 fn recorded() -> Option<&'static Recorded> {
     static RECORDED: LazyLock<Option<Recorded>> = LazyLock::new(|| {
         let can_trace = Command::new("strace").args(["-f", "true"]).output().is_ok_and(|run| run.status.success());
@@ -105,7 +106,7 @@ fn recorded() -> Option<&'static Recorded> {
 /// Checks that a service on `data` has everything that was acknowledged before line `line`.
 fn check(data: &Path, acks: &[(usize, Ack)], line: usize) {
     let server = Server::start(data, &["--workers", "1"]);
-    // The last acknowledgement of each job counts.
+    // Only the last acknowledgement of each job counts.
     let mut jobs = BTreeMap::new();
     for (at, ack) in acks.iter().filter(|(at, _)| *at < line) {
         match ack {
@@ -149,7 +150,7 @@ fn kills_between_durable_steps_lose_nothing_that_was_acknowledged() {
     let is_durable = |change: &Change| !matches!(change, Change::Write { .. } | Change::Sent { .. });
     let steps: Vec<usize> =
         trace.events.iter().filter(|event| is_durable(&event.change)).map(|event| event.began).collect();
-    // All steps, or the given number of them at equal distances.
+    // All steps, or the given number of evenly spaced steps.
     let every = steps.len().div_ceil(rounds("LTCFORGE_TEST_CUTS", CUTS));
     for step in steps.iter().step_by(every) {
         let folder = tempfile::tempdir().expect("a folder");

@@ -1,12 +1,12 @@
-//! Reads the output of `strace`: the changes of a process to files below a folder, and the bytes that it sent.
+//! Reads the output of `strace`: the changes of a process to files below a folder, and the bytes that it sends.
 
 use std::{
     collections::HashMap,
     path::{Path, PathBuf},
 };
 
-/// The system calls that change files, and calls that are needed to follow them. If a call changes a file in a way that
-/// [`Recorder`] does not know, the test fails.
+/// The system calls that change files, and calls that are needed to follow them. The test fails if a call changes a
+/// file in a way that [`Recorder`] does not know.
 pub(super) const CALLS: &str = "open,openat,creat,close,dup,dup2,dup3,write,writev,pwrite64,pwritev,pwritev2,truncate,ftruncate,\
     fallocate,copy_file_range,sendfile,fsync,fdatasync,syncfs,rename,renameat,renameat2,link,linkat,symlink,symlinkat,unlink,\
     unlinkat,mkdir,mkdirat,rmdir,sendto,sendmsg,socket,accept,accept4,io_uring_setup";
@@ -23,11 +23,11 @@ pub(super) enum Change {
     Write { file: Inode, at: usize, bytes: Vec<u8> },
     /// The length of a file changes.
     Truncate { file: Inode, length: usize },
-    /// A name is added to a folder. It replaces an existing one.
+    /// A name is added to a folder. It replaces an existing entry with this name.
     Link { folder: Inode, name: String, to: Inode },
     /// A name is removed.
     Unlink { folder: Inode, name: String },
-    /// A name is replaced by another one in the same folder, atomically.
+    /// A name is atomically replaced by another name in the same folder.
     Rename { folder: Inode, from: String, name: String, to: Inode },
     /// All changes of a file, or of the names in a folder, are written to the disk.
     Sync { of: Inode },
@@ -35,7 +35,7 @@ pub(super) enum Change {
     Sent { bytes: Vec<u8> },
 }
 
-/// A change, and the lines of the trace where its call begins and ends.
+/// A change, with the lines of the trace where its call starts and ends.
 #[derive(Debug)]
 pub(super) struct Event {
     pub(super) began: usize,
@@ -43,7 +43,7 @@ pub(super) struct Event {
     pub(super) change: Change,
 }
 
-/// All changes, and for each inode whether it is a folder.
+/// All changes, and a flag for each inode that is a folder.
 #[derive(Debug)]
 pub(super) struct Trace {
     pub(super) events: Vec<Event>,
@@ -61,14 +61,14 @@ struct Opened {
 struct Recorder<'a> {
     root: &'a Path,
     events: Vec<Event>,
-    /// For each inode, whether it is a folder.
+    /// Whether each inode is a folder.
     folders: Vec<bool>,
     lengths: Vec<usize>,
     names: HashMap<PathBuf, Inode>,
     descriptors: HashMap<i64, Opened>,
 }
 
-/// A system call with its arguments as in the trace, and its return value.
+/// A system call, with its arguments as in the trace and its return value.
 struct Call<'a> {
     name: &'a str,
     arguments: Vec<&'a str>,
@@ -112,7 +112,7 @@ pub(super) fn read(text: &str, root: &Path) -> Trace {
 /// Parses a successful call.
 fn call(text: &str, span: (usize, usize)) -> Option<Call<'_>> {
     let (name, rest) = text.split_once('(')?;
-    // Texts are in hexadecimal, so arguments contain no parentheses or commas.
+    // Texts are in hexadecimal, so arguments contain no parentheses and commas.
     let (arguments, returned) = rest.rsplit_once(") ")?;
     let returned = returned.trim_start().strip_prefix("= ")?.split_whitespace().next()?.parse().ok()?;
     let call = Call { name, arguments: arguments.split(", ").map(str::trim).collect(), returned, span };
@@ -177,7 +177,7 @@ impl Recorder<'_> {
         self.events.push(Event { began: call.span.0, ended: call.span.1, change });
     }
 
-    /// The path in an argument, the inode of its folder, and its name, if it is below the root.
+    /// If the path in an argument is below the root: the path, the inode of its folder, and its name.
     fn place(&self, argument: &str) -> Option<(PathBuf, Inode, String)> {
         let path = PathBuf::from(String::from_utf8(bytes_of_path(argument)?).ok()?);
         let (folder, name) = (self.names.get(path.parent()?)?, path.file_name()?.to_str()?.to_owned());

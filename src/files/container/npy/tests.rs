@@ -3,7 +3,7 @@ use proptest::prelude::*;
 use super::*;
 
 const HEADER: &str = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3, 2, 2, 3, 3), }";
-/// The numbers of a table with this shape.
+/// How many numbers a table with this shape has.
 const NUMBERS: usize = 2 * 3 * 2 * 2 * 9;
 
 /// A file of version 1.
@@ -52,7 +52,7 @@ fn negative_determinants_are_let_through() {
 }
 
 #[test]
-fn what_is_wrong_is_named() {
+fn every_error_is_named() {
     let said = |bytes: &[u8]| decode_npy(bytes).expect_err("not a table").to_string();
     let with = |from: &str, to: &str| said(&file(&HEADER.replace(from, to), &ascending()));
     assert_eq!(with("<f4", "<f8"), "«descr» is «<f8»; a table has «<f4»");
@@ -65,11 +65,11 @@ fn what_is_wrong_is_named() {
     assert_eq!(with("False", "Maybe"), "the header: expected True or False, found «Maybe, 'shape': (2, »");
     assert_eq!(with("descr", "shape"), "the header: expected «(», found «'<f4', 'fortran_orde»");
     assert_eq!(with("'descr': '<f4', ", ""), "the header: «descr» is missing");
-    assert_eq!(with("'descr'", "'colour': 1, 'descr'"), "the header: «colour» is not one of its fields");
+    assert_eq!(with("'descr'", "'colour': 1, 'descr'"), "the header: «colour» is an unknown field");
     let twice = "{'descr': '<f4', 'descr': '<f4'}";
-    assert_eq!(said(&file(twice, &[])), "the header: «descr» stands twice");
+    assert_eq!(said(&file(twice, &[])), "the header: «descr» is repeated");
     assert_eq!(said(b"safetensors"), NpyError::Magic.to_string());
-    assert_eq!(said(b"\x93NUMPY\x01\x00\x99"), "the header: the file ends within it");
+    assert_eq!(said(b"\x93NUMPY\x01\x00\x99"), "the header: the file ends too early");
     assert_eq!(said(b"\x93NUMPY\x04\x00\x00\x00"), NpyError::Magic.to_string());
     let mut infinite = ascending();
     infinite[28..32].copy_from_slice(&f32::INFINITY.to_le_bytes());
@@ -83,7 +83,7 @@ proptest! {
         let _ = decode_npy(&[NPY_MAGIC, &bytes].concat());
     }
 
-    /// Headers that are almost right: a piece of one, cut, repeated or replaced.
+    /// Headers that are almost right: a piece of a valid header is cut out or replaced.
     #[test]
     fn any_header_gives_an_answer(start in 0..HEADER.len(), length in 0..20_usize, piece in "[{}()',:a-z0-9 <é-]{0,20}") {
         let end = (start + length).min(HEADER.len());

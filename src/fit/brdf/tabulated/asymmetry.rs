@@ -10,7 +10,8 @@ use super::{
 /// The largest deviation of a BRDF from reciprocity, `f(o, i) = f(i, o)`.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Asymmetry {
-    /// The largest difference of two values that should be equal, relative to the largest value of the same surface.
+    /// The largest difference between two values that should be equal, relative to the largest value of the same
+    /// surface.
     pub largest: f64,
     /// The alpha of the largest difference, if the file has this axis.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -30,11 +31,11 @@ pub struct Asymmetry {
 }
 
 impl TabulatedBrdf {
-    /// Compares the values at nodes with the interpolated values for exchanged view and light. Lights beyond the last
-    /// view are skipped. `None` if nothing can be compared.
+    /// Compares the values at nodes with the interpolated values for exchanged view and light. Light directions outside
+    /// the range of the views are skipped. `None` if nothing can be compared.
     ///
-    /// On anisotropic surfaces, the azimuths of exchanged lights lie between nodes. The result then includes the error
-    /// of interpolation.
+    /// On anisotropic surfaces, the azimuths after the exchange lie between nodes, so the result includes interpolation
+    /// error.
     #[must_use]
     pub fn asymmetry(&self) -> Option<Asymmetry> {
         let [alphas, ratios, azimuths] =
@@ -60,7 +61,8 @@ impl TabulatedBrdf {
         found
     }
 
-    /// The values of one view, the values with view and light exchanged, and their nodes of `theta_i` and `phi`.
+    /// For each value of one view: the value, the value with view and light exchanged, and the nodes of `theta_i` and
+    /// `phi`.
     fn exchanged(&self, at: Place, view: usize) -> impl Iterator<Item = (f64, f64, [usize; 2])> {
         let axes = self.axes();
         let [first, last] = [axes.theta_o.first(), axes.theta_o.last()].map(|end| end.copied().unwrap_or(f64::NAN));
@@ -79,14 +81,14 @@ impl TabulatedBrdf {
 }
 
 impl TabulatedAxes {
-    /// The azimuth of the light, used as the azimuth of a view, and the azimuth of the old view relative to it.
+    /// The azimuths after view and light are exchanged: of the new view, and of the new light relative to the new view.
     fn exchanged_azimuths(&self, phi_o: usize, phi: usize) -> (Cell, Cell) {
         if self.is_isotropic() {
             return (Cell::at(0), Cell::at(phi));
         }
         let apart = self.phi[phi];
         let azimuth = (self.phi_o[phi_o] + apart).rem_euclid(PI);
-        // A mirrored surface has its light on the other side.
+        // In the mirrored quadrant, the relative azimuth changes its sign.
         let (azimuth, apart) = if azimuth <= FRAC_PI_2 { (azimuth, TAU - apart) } else { (PI - azimuth, apart) };
         (Cell::of(&self.phi_o, azimuth), Cell::of(&self.phi, apart))
     }

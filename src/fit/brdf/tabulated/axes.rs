@@ -4,7 +4,8 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::TabulatedFault;
 
-/// The tolerance for the ends of axes and the smallest distance of two nodes. It exceeds the rounding of pi to f32.
+/// The tolerance for the ends of axes and the smallest distance between two nodes. It exceeds the rounding error of pi
+/// in f32.
 const TOLERANCE: f64 = 1e-6;
 
 /// The nodes of a tabulated BRDF. Each axis ascends strictly.
@@ -21,9 +22,9 @@ pub struct TabulatedAxes {
     pub phi_o: Vec<f64>,
     /// Polar angle of the light direction, radians, from 0 to pi/2.
     pub theta_i: Vec<f64>,
-    /// Azimuth of the light relative to the view, radians. For isotropic surfaces it goes from 0 (same side as the
-    /// view) to pi. With `phi_o` it has the same sense as `phi_o` and goes from 0 to 2 pi, with nodes symmetric about
-    /// pi.
+    /// Azimuth of the light relative to the view, radians. For isotropic surfaces it ranges from 0 (same side as the
+    /// view) to pi. With `phi_o` it turns in the same direction as `phi_o` and ranges from 0 to 2 pi, with nodes
+    /// symmetric about pi.
     pub phi: Vec<f64>,
 }
 
@@ -41,13 +42,14 @@ impl TabulatedAxes {
         self.phi_o.is_empty()
     }
 
-    /// The number of times that the light of the axis `phi` counts. Isotropic surfaces have two equal sides.
+    /// The factor for light integrated over the axis `phi`: 2 for isotropic surfaces, whose axis covers one of two
+    /// equal sides.
     pub(super) fn sides(&self) -> f64 {
         if self.is_isotropic() { 2.0 } else { 1.0 }
     }
 
     /// The number of nodes on each axis of the values; an axis without nodes counts as one. Isotropic surfaces have the
-    /// axes alpha, `theta_o`, `theta_i` and phi, other surfaces all six.
+    /// axes alpha, `theta_o`, `theta_i` and phi. Other surfaces have all six axes.
     #[must_use]
     pub fn shape(&self) -> Vec<usize> {
         let is_whole = !self.is_isotropic() || !self.ratio.is_empty();
@@ -55,7 +57,7 @@ impl TabulatedAxes {
         self.named().iter().filter(|(name, _)| has_axis(name)).map(|(_, nodes)| nodes.len().max(1)).collect()
     }
 
-    /// Collects the faults of each axis. Moves ends that are within the tolerance of their limit to it.
+    /// Collects the faults of each axis. Moves nodes that are within the tolerance of a limit to the limit.
     pub(super) fn check(&mut self, faults: &mut Vec<TabulatedFault>) {
         let whole = |end: f64| Some([0.0, end]);
         let (views, turn) = if self.is_isotropic() { (0, PI) } else { (2, TAU) };
@@ -85,12 +87,12 @@ impl TabulatedAxes {
         Some(TabulatedFault { tensor: "phi", detail })
     }
 
-    /// The node at an index of the values, for messages.
+    /// The coordinates of the node at an index of the values, for messages.
     pub(super) fn place(&self, index: usize) -> String {
         place_among(&self.named(), index)
     }
 
-    /// The node at an index of surface and view, for messages.
+    /// The coordinates of the node at an index of surface and view, for messages.
     pub(super) fn place_of_view(&self, index: usize) -> String {
         place_among(&self.named()[..4], index)
     }
@@ -116,7 +118,7 @@ fn check_axis(
 ) {
     let mut note = |detail: String| faults.push(TabulatedFault { tensor: name, detail });
     if nodes.len() < least {
-        note(format!("{} nodes; allowed: {least} and more", nodes.len()));
+        note(format!("{} nodes; allowed: {least} or more", nodes.len()));
     }
     if let Some(at) = nodes.iter().position(|x| !x.is_finite()) {
         return note(format!("node {at} is {}, not a finite number", nodes[at]));

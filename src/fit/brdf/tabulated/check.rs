@@ -2,24 +2,24 @@
 
 use super::{TabulatedAxes, TabulatedBrdf, TabulatedFault, fault::COUNT};
 
-/// The largest part of uniform light that a tabulated BRDF may reflect.
+/// The largest fraction of uniform light that a tabulated BRDF may reflect.
 pub const MOST_ALBEDO: f64 = 1.001;
 /// The largest number of values of a tabulated BRDF: 32 MiB of f64.
 pub const MOST_VALUES: usize = 1 << 22;
-/// The smallest part of uniform light that a view may reflect. A lobe without light has no shape.
+/// The smallest fraction of uniform light that a view may reflect. A lobe without light has no shape.
 const LEAST_ALBEDO: f64 = 1e-12;
 /// The tolerance for two values that should be equal by symmetry, relative to the largest value of the view. It is
-/// larger than the error of a computation in f32 and smaller than the accuracy of a table.
+/// larger than the error of a computation in f32 and smaller than the error of a table.
 const SAME: f64 = 1e-3;
 
 impl TabulatedBrdf {
     /// The BRDF with these values, per steradian and without the cosine. The last axis varies fastest.
     ///
     /// # Errors
-    /// All faults at once. Axes must ascend, lie inside their ranges and span the hemisphere. Values must be finite and
-    /// not negative, and their number must match the axes. If it does, the light is checked too: each view must reflect
-    /// some uniform light, at most [`MOST_ALBEDO`]. Anisotropic surfaces must have equal values where their symmetry
-    /// demands it. Invalid values count as zero light, and are not compared.
+    /// Returns all faults at once. Axes must ascend, lie inside their ranges and span the hemisphere. Values must be
+    /// finite and not negative, and their number must match the axes. If the number matches, the reflected light is
+    /// checked too: each view must reflect some uniform light, but at most [`MOST_ALBEDO`]. Anisotropic surfaces must
+    /// have equal values where their symmetry requires equality. Invalid values count as zero and are not compared.
     pub fn new(mut axes: TabulatedAxes, mut values: Vec<f64>) -> Result<Self, Vec<TabulatedFault>> {
         let mut faults = Vec::new();
         axes.check(&mut faults);
@@ -57,7 +57,8 @@ impl TabulatedBrdf {
         if faults.is_empty() { Ok(grid) } else { Err(faults) }
     }
 
-    /// The faults of views that reflect too much light or none. If values were wrong, only too much light is a fault.
+    /// The faults of views that reflect too much light or none. If any value was invalid, only too much light is a
+    /// fault.
     fn energy_faults(&self, any_was_wrong: bool) -> Vec<TabulatedFault> {
         let place = |node: usize| self.axes().place_of_view(node);
         let mut faults = Vec::new();
@@ -75,7 +76,7 @@ impl TabulatedBrdf {
         }
         if let Some(node) = albedos.iter().position(|x| *x < LEAST_ALBEDO).filter(|_| !any_was_wrong) {
             let place = place(node);
-            note(format!("no light is reflected at {place}; end the axis before it, or give it values"));
+            note(format!("no light is reflected at {place}; end the axis before this node or give it values above 0"));
         }
         faults
     }

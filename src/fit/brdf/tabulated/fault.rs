@@ -18,5 +18,5 @@ impl TabulatedFault {
     }
 }
 
-/// The ending of a message about the number of values.
+/// The text by which a message about the number of values is recognised.
 pub(super) const COUNT: &str = "; the axes need ";

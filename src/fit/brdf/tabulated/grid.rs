@@ -24,11 +24,12 @@ const GAUSS: [(f64, f64); 4] = [
 ///
 /// An anisotropic surface is symmetric in the planes of its axes: `f` is the same at `(-phi_o, -phi)` and
 /// `(pi - phi_o, -phi)`. The file therefore needs the views of one quadrant only. At the ends of the quadrant `f` is
-/// equal at `phi` and `-phi`. The axis `phi` is the difference of azimuths, so the lobe remains in place while the view
-/// turns. Linear interpolation between azimuths of the view depends on this.
+/// equal at `phi` and `-phi`. The axis `phi` is the azimuth of the light relative to the view, so the lobe stays at the
+/// same `phi` while the view turns. Linear interpolation between azimuths of the view depends on this.
 ///
 /// The integral of a linear interpolation over `phi` is the trapezoid rule. The integral over `theta_i` has an
-/// integrand of the form `(a + b x) sin(2 x)`. Both are exact, so samples follow the interpolated function exactly.
+/// integrand of the form `(a + b x) sin(2 x)`. Both integrals are exact, so samples follow the interpolated function
+/// exactly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TabulatedBrdf {
     axes: TabulatedAxes,
@@ -110,7 +111,7 @@ impl TabulatedBrdf {
         Self { axes, values, below, moments, albedo }
     }
 
-    /// The nodes of its axes.
+    /// The nodes of the axes.
     #[must_use]
     pub fn axes(&self) -> &TabulatedAxes {
         &self.axes

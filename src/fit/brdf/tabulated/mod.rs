@@ -33,7 +33,7 @@ impl BrdfRules for TabulatedRules {
         true
     }
 
-    /// Some tabulated BRDFs follow the reflection, but a file does not state it.
+    /// Some tabulated BRDFs follow the reflection, but a file does not say whether its BRDF does.
     fn follows_reflection(&self) -> bool {
         false
     }

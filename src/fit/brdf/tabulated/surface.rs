@@ -17,9 +17,9 @@ use crate::{
     math::{SquarePoint, atan2, sin_cos},
 };
 
-/// The largest number of Newton steps within an interval. Three or four suffice.
+/// The largest number of Newton steps within an interval. Three or four are usually enough.
 const STEPS: usize = 40;
-/// The search ends with a step shorter than this part of its interval.
+/// The search ends when a step is shorter than this fraction of the interval.
 const SHORT_STEP: f64 = 1e-13;
 
 /// A surface of a tabulated BRDF.
@@ -33,7 +33,8 @@ pub(crate) struct TabulatedSurface {
 }
 
 impl TabulatedBrdf {
-    /// The surface with these roughnesses along x and y. Values outside of the file are clamped to its range.
+    /// The surface with these roughnesses along x and y. Roughnesses outside the range of the file are clamped to the
+    /// range.
     pub(crate) fn surface(self: &Arc<Self>, [alpha_x, alpha_y]: [f64; 2]) -> TabulatedSurface {
         let axes = self.axes();
         let larger = alpha_x.max(alpha_y);
@@ -60,12 +61,12 @@ struct Mirrored {
 }
 
 impl Mirrored {
-    /// Converts a direction of the surface to the file's frame.
+    /// Converts a direction from the surface's frame to the file's frame.
     fn to_file(self, w: DVec3) -> DVec3 {
         (if self.is_swapped { w.yxz() } else { w }) * self.signs
     }
 
-    /// Converts a direction of the file to the surface's frame.
+    /// Converts a direction from the file's frame to the surface's frame.
     fn to_surface(self, w: DVec3) -> DVec3 {
         let w = w * self.signs;
         if self.is_swapped { w.yxz() } else { w }
@@ -73,7 +74,7 @@ impl Mirrored {
 }
 
 impl TabulatedSurface {
-    /// The reflections for a view. Isotropic surfaces need none.
+    /// The reflections for a view. Isotropic surfaces need no reflections.
     fn mirrored(&self, wo: DVec3) -> Mirrored {
         let Self { is_swapped, .. } = *self;
         if self.data.axes().is_isotropic() {
@@ -84,10 +85,10 @@ impl TabulatedSurface {
         Mirrored { is_swapped, signs: DVec3::new(sign(wo.x), sign(wo.y), 1.0) }
     }
 
-    /// The point of a view on the file's axes.
+    /// The position of a view on the file's axes.
     fn place(&self, wo: DVec3) -> Place {
         let axes = self.data.axes();
-        // A view from the pole can have a negative zero.
+        // In a view along the normal, x can be a negative zero, for which `atan2` would return pi.
         let azimuth = || atan2(wo.y.abs(), wo.x.abs());
         let phi_o = if axes.is_isotropic() { Cell::at(0) } else { Cell::of(&axes.phi_o, azimuth()) };
         Place { alpha: self.alpha, ratio: self.ratio, theta_o: Cell::of(&axes.theta_o, polar(wo)), phi_o }
@@ -104,7 +105,7 @@ impl TabulatedSurface {
     }
 }
 
-/// The azimuth of a view as a direction in the plane. At the pole it is x.
+/// The azimuth of a view as a unit vector in the xy plane; +x for a view along the normal.
 fn along(wo: DVec3) -> DVec2 {
     let along = (wo.x * wo.x + wo.y * wo.y).sqrt();
     if along > 0.0 { DVec2::new(wo.x / along, wo.y / along) } else { DVec2::X }
@@ -122,7 +123,7 @@ impl Brdf for TabulatedSurface {
         self.data.value(self.place(wo), theta_i, phi) * wi.z
     }
 
-    /// The kinks are the nodes. The nodes of a whole turn of `phi` are symmetric, so half of them suffice.
+    /// The kinks are the nodes. The nodes of a whole turn of `phi` are symmetric, so the first half is enough.
     fn bends(&self, _: DVec3) -> Bends {
         let TabulatedAxes { theta_i, phi, .. } = self.data.axes();
         let half = phi.iter().copied().filter(|phi| *phi <= PI);
@@ -151,7 +152,7 @@ struct Inverse<'a> {
     data: &'a TabulatedBrdf,
     wo: DVec3,
     mirrored: Mirrored,
-    /// The first row of values for each node around surface and view, with its weight.
+    /// For each node around surface and view: the index of its first row of values, and its weight.
     corners: Vec<(usize, f64)>,
     /// The integral over `phi` at each node of `theta_i`.
     rings: Vec<f64>,
@@ -228,7 +229,8 @@ impl<'a> Inverse<'a> {
         (low + x, Cell { node, next, part: x / width })
     }
 
-    /// The azimuth relative to the view, on the axis `phi`, below which the given part of the ring's light lies.
+    /// The azimuth relative to the view, on the axis `phi`, below which the ring reflects the fraction `part` of its
+    /// light.
     fn azimuth(&self, part: f64, theta_i: Cell) -> f64 {
         let phi = &self.data.axes().phi;
         let blend = |numbers: &[f64], p: usize| -> f64 {

@@ -1,4 +1,4 @@
-//! Tabulates another scattering model. It serves as a template of the format, and as a test.
+//! Tabulates another scattering model. The result is an example of the file format, and tests use it.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -8,7 +8,8 @@ use crate::{axes::LEAST_ALPHA, brdf::BrdfKind, math::direction};
 /// The distance of the last evaluated node from the horizon, radians. At the horizon most formulas are 0 / 0.
 const FROM_HORIZON: f64 = 1e-4;
 
-/// The last view, 85 degrees. Beyond it models change too steeply for linear interpolation between these nodes.
+/// The last view, at 85 degrees. Beyond this angle, models change too steeply for linear interpolation between these
+/// nodes.
 const LAST_VIEW: f64 = 1.483_529_864_195_18;
 
 impl TabulatedAxes {
@@ -23,9 +24,10 @@ impl TabulatedAxes {
         Self { alpha, theta_o, theta_i, phi: even(phis).map(|u| PI * u).collect(), ..Self::default() }
     }
 
-    /// These axes for anisotropic surfaces of the given ratios, with `views` uniform azimuths of the view. Lights keep
-    /// their number of azimuths on either side, at `1 - (1 - u)^2` of the way to pi. They are denser opposite to the
-    /// view, because lobes of grazing views are narrow there. Domain: isotropic axes, at least two azimuths.
+    /// Converts these axes to axes for anisotropic surfaces of the given ratios, with `views` uniform azimuths of the
+    /// view. The light keeps its number of azimuths on each side of the view, at `1 - (1 - u)^2` of the way to pi. The
+    /// azimuths are denser opposite to the view, because lobes of grazing views are narrow there. Domain: isotropic
+    /// axes, at least two azimuths.
     #[must_use]
     pub fn with_azimuths(self, ratio: Vec<f64>, views: u16) -> Self {
         let phi_o = (0..views).map(|i| FRAC_PI_2 * f64::from(i) / f64::from(views - 1)).collect();
@@ -38,12 +40,12 @@ impl TabulatedAxes {
 }
 
 impl TabulatedBrdf {
-    /// Tabulates a model at these nodes. Domain: as [`BrdfKind::surface`]. Without `ratio`, an anisotropic model has
-    /// equal roughnesses. Without `alpha`, the surface has the largest roughness.
+    /// Tabulates a model at these nodes. Domain: the same as for [`BrdfKind::surface`]. Without `ratio`, an anisotropic
+    /// model has equal roughnesses. Without `alpha`, the surface has the largest roughness.
     ///
     /// # Errors
-    /// As [`TabulatedBrdf::new`]. Linear interpolation between few nodes reflects more light than a sharp lobe, which
-    /// is a fault.
+    /// The same as [`TabulatedBrdf::new`]. With too few nodes for a sharp lobe, the interpolated BRDF reflects too much
+    /// light, which is a fault.
     pub fn tabulate(kind: BrdfKind, axes: TabulatedAxes) -> Result<Self, Vec<TabulatedFault>> {
         const HORIZON: f64 = FRAC_PI_2 - FROM_HORIZON;
         let or = |nodes: &[f64], only: f64| if nodes.is_empty() { vec![only] } else { nodes.to_vec() };

@@ -59,7 +59,7 @@ fn a_constant_reflects_pi_times_itself_on_any_nodes() {
 
 /// The fraction of light below the sample of `u` equals `u`, in both coordinates.
 #[test]
-fn a_sample_has_the_part_of_light_below_that_drew_it() {
+fn samples_invert_the_cumulative_light() {
     let brdf = TabulatedBrdf::tabulate(BrdfKind::Ggx, TabulatedAxes::spread(vec![0.5], 32, 32)).expect("a BRDF");
     let surface = Arc::new(brdf).surface([0.5; 2]);
     let wo = direction(0.9, 0.0);
@@ -135,7 +135,7 @@ fn every_fault_is_reported_at_once() {
     assert!(messages.contains(&"tensor «value»: 95 numbers; the axes need 2 x 4 x 4 x 3".to_owned()), "{messages:?}");
     let messages = faults(TabulatedAxes::default(), vec![]);
     assert_eq!(messages.len(), 4, "{messages:?}");
-    assert!(messages[0].ends_with("theta_o»: 0 nodes; allowed: 2 and more"), "{messages:?}");
+    assert!(messages[0].ends_with("theta_o»: 0 nodes; allowed: 2 or more"), "{messages:?}");
 }
 
 #[test]
@@ -146,7 +146,7 @@ fn energy_is_bounded_above_and_below() {
     assert_eq!(messages(axes(), 1.0009 / PI), Ok(()));
     let most = "tensor «value»: 8 of 8 views reflect more than 1.001 of uniform light, up to 1.0020 at alpha 0.6000, theta_o 1.5708";
     assert_eq!(messages(axes(), 1.002 / PI), Err(most.to_owned()));
-    let none = "tensor «value»: no light is reflected at alpha 0.2000, theta_o 0.0000; end the axis before it, or give it values";
+    let none = "tensor «value»: no light is reflected at alpha 0.2000, theta_o 0.0000; end the axis before this node or give it values above 0";
     assert_eq!(messages(axes(), 0.0), Err(none.to_owned()));
     assert!(messages(axes(), f64::MAX).is_err_and(|fault| fault.contains("up to inf")));
 }
@@ -187,7 +187,7 @@ fn asymmetry_is_found_where_it_was_planted() {
         TabulatedBrdf::new(axes.clone(), values.clone()).expect("a BRDF").asymmetry().map(|a| a.largest),
         Some(0.0)
     );
-    // The value at theta_o 1, theta_i 3, phi 2.
+    // The value at node 1 of theta_o, node 3 of theta_i and node 2 of phi.
     values[(5 + 3) * 3 + 2] = 0.25;
     let found = TabulatedBrdf::new(axes.clone(), values).expect("a BRDF").asymmetry().expect("views and lights");
     assert!((found.largest - 0.2).abs() < 1e-12, "{found:?}");

@@ -1,11 +1,12 @@
-//! The part of a Gaussian above the horizon.
+//! The fraction of a Gaussian above the horizon.
 
 use glam::DVec3;
 
 use super::SphericalGaussian;
 use crate::math::{exp, sin_cos};
 
-/// The number of angles of the mean over the plane. The mean is of a smooth periodic function, so few suffice.
+/// The number of angles over which [`above_horizon`] takes the mean. The function is smooth and periodic, so few angles
+/// are enough.
 const ANGLES: u32 = 256;
 
 /// The squared radius, in deviations, at which the ray towards `s` crosses the horizon.
@@ -24,12 +25,12 @@ pub(crate) fn horizon2(axis_height: f64, s_height: f64, s_length2: f64) -> f64 {
     let across2 = axis_height * axis_height * s_length2;
     let both = (s_height * s_height + across2).sqrt();
     let h = s_height / both;
-    // This form avoids cancellation for a ray that runs down steeply from an axis near the horizon.
+    // This form avoids cancellation for a ray that descends steeply from an axis near the horizon.
     let beyond = if h < 0.0 { across2 / (both * both) / (1.0 - h) } else { 1.0 + h };
     2.0 * beyond / s_length2
 }
 
-/// The part of the Gaussian above the horizon, in [0, 1]: the mean of `1 - exp(-radius^2)` over the angle.
+/// The fraction of the Gaussian above the horizon, in [0, 1]: the mean of `1 - exp(-radius^2)` over the angle.
 #[must_use]
 pub(crate) fn above_horizon(gaussian: &SphericalGaussian<f64>) -> f64 {
     let [first, second] = gaussian.deviations().map(DVec3::from);

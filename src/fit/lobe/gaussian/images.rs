@@ -1,4 +1,5 @@
-//! The samples of a Gaussian in a fit. They are images of fixed points, under a map that is continuous in the shape.
+//! Samples of a Gaussian for a fit. They are images of fixed points under a map that changes continuously with the
+//! shape of the Gaussian.
 
 use std::f64::consts::TAU;
 
@@ -7,12 +8,12 @@ use glam::{DMat3, DVec3};
 use super::{SphericalGaussian, horizon2};
 use crate::math::{Lattice, exp, ln, sin_cos};
 
-/// Sectors of the plane around the axis. The density of images is constant over the angles of a sector.
+/// Sectors of the plane around the axis. Within a sector, the density of images does not depend on the angle.
 const SECTORS: usize = 64;
 /// The squared radius, in deviations, beyond which a Gaussian is zero in f64.
 const NOTHING_BEYOND: f64 = 40.0;
 
-/// A point of the unit square: the part of a turn around the axis, and the part of the ray's density from the axis
+/// A point of the unit square: a fraction of a turn around the axis, and a fraction of the ray's density, from the axis
 /// outwards.
 #[derive(Debug, Clone, Copy)]
 struct Point {
@@ -25,11 +26,12 @@ struct Point {
     radius: f64,
 }
 
-/// Fixed points of the unit square. A map for each Gaussian gives their images its density above the horizon.
+/// Fixed points of the unit square. For each Gaussian, a map sends them to images that have the density of the Gaussian
+/// above the horizon.
 ///
-/// In the plane of deviations, the part `1 - exp(-radius^2)` of a ray's density is inside of the radius. If `W` is the
-/// part above the horizon, the radius with the part `q` of `W` inside is `sqrt(-ln(1 - q W))`. The angle of the ray
-/// inverts the cumulative sum of `W` over sectors, by linear interpolation.
+/// In the plane of deviations, a radius contains the fraction `1 - exp(-radius^2)` of a ray's density. If the fraction
+/// `W` is above the horizon, the radius that contains the fraction `q` of `W` is `sqrt(-ln(1 - q W))`. The angle of the
+/// ray inverts the cumulative sum of `W` over sectors, by linear interpolation.
 #[derive(Debug)]
 pub(crate) struct Images {
     points: Vec<Point>,
@@ -83,7 +85,7 @@ impl Plane {
         Self { height: shape.axis[2], deviations: shape.deviations().map(DVec3::from) }
     }
 
-    /// The vector of one deviation along an angle.
+    /// The vector of one deviation at an angle.
     fn ray(&self, cos: f64, sin: f64) -> DVec3 {
         self.deviations[0] * cos + self.deviations[1] * sin
     }
@@ -93,7 +95,7 @@ impl Plane {
     }
 }
 
-/// The cumulative part of the plane above the horizon, before each edge between sectors.
+/// The cumulative distribution of the part above the horizon, at each edge between sectors.
 struct Sectors {
     before: [f64; SECTORS + 1],
 }
@@ -118,7 +120,7 @@ impl Sectors {
         Some(Self { before: before.map(|part| part * whole) })
     }
 
-    /// The part of a turn at which the cumulative part is `part`.
+    /// The fraction of a turn at which the cumulative distribution is `part`.
     fn turn(&self, part: f64) -> f64 {
         let sector = self.before.partition_point(|before| *before <= part).clamp(1, SECTORS) - 1;
         let (from, to) = (self.before[sector], self.before[sector + 1]);
@@ -132,7 +134,7 @@ mod tests {
     use super::*;
     use crate::lobe::{LobeModel, gaussian::Gaussian};
 
-    /// The report has its own map. Both sample the same distribution, so the means of the samples agree.
+    /// The report uses a different map. Both maps sample the same distribution, so the means of their samples agree.
     #[test]
     fn images_have_the_distribution_of_the_report_s_samples() {
         let frame = DMat3::from_rotation_x(0.4) * DMat3::from_rotation_y(0.3);

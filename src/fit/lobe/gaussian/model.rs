@@ -42,9 +42,9 @@ impl LobeModelRules for GaussianLobeModel {
         }
     }
 
-    /// A round Gaussian depends only on its axis and its area. Its deviations are chosen as the deviations of the
-    /// reflection, scaled. They change with roughness and view like the reflection. Round deviations would grow without
-    /// bound relative to the long and thin deviations of a grazing view.
+    /// A round Gaussian depends only on its axis and its area, so many pairs of deviations represent it. This function
+    /// returns the scaled deviations of the reflection, which change with roughness and view like the reflection.
+    /// Relative to the long and thin reflection of a grazing view, deviations of equal length would grow without bound.
     fn relative_to(&self, reflection: &DMat3, matrix: &DMat3) -> DMat3 {
         let columns = |m: &DMat3| [m.x_axis, m.y_axis, m.z_axis].map(|column| column.to_array());
         let area = |shape: &SphericalGaussian<f64>| shape.peak();
@@ -60,7 +60,7 @@ impl LobeModelRules for GaussianLobeModel {
     }
 }
 
-/// Sectors of the plane. The density of samples is constant over the angles of a sector.
+/// Sectors of the plane. Within a sector, the density of samples does not depend on the angle.
 const SECTORS: usize = 256;
 
 /// A Gaussian cut at the horizon, as a distribution. Its part above the horizon integrates to one.
@@ -69,9 +69,9 @@ struct AboveHorizon {
     /// The same Gaussian with the axes for the integral over polygons.
     over_polygons: SphericalGaussian<f64>,
     deviations: [DVec3; 2],
-    /// The cumulative part of the distribution above the horizon, before each edge between sectors.
+    /// The cumulative distribution of the part above the horizon, at each edge between sectors.
     before: Vec<f64>,
-    /// The part of the plane above the horizon.
+    /// The fraction of the Gaussian above the horizon.
     above: f64,
 }
 
@@ -95,8 +95,8 @@ impl AboveHorizon {
         found
     }
 
-    /// The ray at a part of a turn: the squared radius at which it meets the horizon, and the vector of one deviation
-    /// along it.
+    /// The ray at a fraction of a turn: the squared radius at which it meets the horizon, and the vector of one
+    /// deviation along it.
     fn ray(&self, turn: f64) -> (f64, DVec3) {
         let (sin, cos) = sin_cos(TAU * turn);
         let s = self.deviations[0] * cos + self.deviations[1] * sin;
@@ -105,8 +105,8 @@ impl AboveHorizon {
 }
 
 impl LobeDistribution for AboveHorizon {
-    /// Inverts the cumulative distributions. The distribution of angles is tabulated, the distribution of radii has a
-    /// closed form.
+    /// Inverts the cumulative distributions. The distribution of angles is tabulated, and the distribution of radii has
+    /// a closed form.
     fn sample(&self, [around, outwards]: [f64; 2]) -> DVec3 {
         let sector = self.before.partition_point(|part| *part <= around).clamp(1, SECTORS) - 1;
         let (from, to) = (self.before[sector], self.before[sector + 1]);
@@ -192,7 +192,8 @@ mod tests {
         let of = |m: DMat3| ASG.distribution(&row_major(&m)).expect("regular").covered(&[DVec3::X, DVec3::Y, DVec3::Z]);
         let wanted = of(m);
         for other in [m * DMat3::from_rotation_z(0.7), m * DMat3::from_diagonal(DVec3::new(1.0, -1.0, 1.0)), m * 3.0] {
-            // The polygon's rule depends on the axes of the deviations. Turned axes give a slightly different result.
+            // The integral over polygons depends on the axes of the deviations, so turned axes give a slightly
+            // different result.
             assert!((of(other) - wanted).abs() < 0.04, "{} {wanted}", of(other));
         }
         assert!(ASG.distribution(&[0.0; 9]).is_none());

@@ -1,4 +1,4 @@
-//! The part of a Gaussian over a polygon.
+//! The integral of a Gaussian over a polygon.
 
 use super::SphericalGaussian;
 use crate::{
@@ -6,14 +6,14 @@ use crate::{
     math::{Scalar, Triple, cross, dot, minus, plus, scaled},
 };
 
-/// The distance, in deviations, of two extra points of an edge before and after its foot, the point closest to the
-/// centre. Among 0.5 to 1.2 this distance has the least error for random lights. More points would follow the Gaussian
-/// more closely, but GGX's lobe, which has longer tails, less closely.
+/// Each edge has two extra points, at this distance in deviations before and after its foot (the point closest to the
+/// centre). Of the distances from 0.5 to 1.2, this one has the smallest error for random lights. With more points, the
+/// result would be closer to the Gaussian but farther from GGX's lobe, which has longer tails.
 const BESIDE_FOOT: f64 = 0.7;
-/// Limits of the squared cosine between the axis and an edge's foot. Below the first limit the edge's midpoint replaces
-/// its foot; between the limits they are blended.
+/// Limits of the squared cosine between the axis and an edge's foot. Below the first limit, the edge's midpoint
+/// replaces its foot. Between the limits, midpoint and foot are blended.
 const FAR: [f64; 2] = [0.005, 0.02];
-/// The sine of the angle behind the axis at which an end counts as fully behind.
+/// An end of an edge counts as fully behind the axis if the cosine of its angle to the axis is below minus this value.
 const BEHIND: f64 = 0.25;
 
 /// Half of the error function, from -1/2 to 1/2, within 2.5e-4 [Abramowitz and Stegun 1964, 7.1.27].
@@ -25,12 +25,12 @@ fn half_erf<T: Scalar>(x: T) -> T {
     if x < T::ZERO { -half } else { half }
 }
 
-/// The part of a Gaussian of weight one over a convex polygon, in [0, 1].
+/// The integral of a Gaussian of weight one over a convex polygon, in [0, 1].
 ///
 /// `(x, y) -> (erf x, erf y) / 2` maps the plane to a square of area one, and `exp(-x^2 - y^2) / pi dx dy` to the area
 /// of the square. The result is the area of the polygon's image. Each edge is approximated by straight lines between
-/// its ends and two points around its foot, the point closest to the centre. Far from the centre, everything lies on
-/// the sides and in the corners of the square. In the limit of a mirror the result is therefore exactly 1 or 0.
+/// its ends and two points around its foot, the point closest to the centre. Points far from the centre are mapped to
+/// the sides and corners of the square. In the limit of a mirror, the result is therefore exactly 1 or 0.
 #[must_use]
 pub fn covered<T: Scalar>(lobe: &SphericalGaussian<T>, vertices: &[Triple<T>], sides: Sides) -> T {
     let Some(last) = vertices.last() else { return T::ZERO };
@@ -73,7 +73,7 @@ fn is_anticlockwise<T: Scalar>(vertices: &[Triple<T>]) -> bool {
     dot(normal, *start) < T::ZERO
 }
 
-/// The direction in which an edge crosses the horizon. Its vertices are on either side.
+/// The direction in which an edge crosses the horizon. Domain: one vertex is above the horizon, the other is not.
 fn crossing<T: Scalar>(a: Triple<T>, b: Triple<T>) -> Triple<T> {
     let (from, to) = (b[2].abs(), a[2].abs());
     [a[0] * from + b[0] * to, a[1] * from + b[1] * to, T::ZERO]
@@ -82,7 +82,7 @@ fn crossing<T: Scalar>(a: Triple<T>, b: Triple<T>) -> Triple<T> {
 /// The square to which the error function maps a Gaussian's plane.
 struct Square<'a, T> {
     lobe: &'a SphericalGaussian<T>,
-    /// A point near the outline. Areas relative to it lose no digits.
+    /// A point near the outline. Areas are computed relative to this point, so they lose no digits.
     origin: [T; 2],
 }
 
@@ -108,8 +108,8 @@ impl<T: Scalar> Square<'_, T> {
     }
 }
 
-/// 1 if an edge's foot is so far from the axis that its position is uncertain, 0 if it is well known, blended between;
-/// see [`FAR`].
+/// 1 if an edge's foot is so far from the axis that its position is uncertain, 0 if the position is certain, and a
+/// blend in between; see [`FAR`].
 fn is_far<T: Scalar>(lobe: &SphericalGaussian<T>, from: Triple<T>, to: Triple<T>) -> T {
     let normal = cross(from, to);
     let (height, normal2) = (dot(normal, lobe.axis), dot(normal, normal).max(T::of(1e-36)));
@@ -125,9 +125,9 @@ fn is_far<T: Scalar>(lobe: &SphericalGaussian<T>, from: Triple<T>, to: Triple<T>
 /// `s` deviations beyond its foot where `e . (x, y) = s z`.
 ///
 /// - An edge with one end behind the axis turns by up to half a turn around the axis, mostly far away. Its two points
-///   are the foot and the point at which it passes the axis. Between two points it then turns by a quarter at most, and
-///   the straight line between their images stays on its side of the centre. For an end that is hardly behind, by less
-///   than [`BEHIND`], the points are blended.
+///   are the foot and the point at which it passes the axis. Between neighbouring points, the edge then turns by a
+///   quarter turn at most, and the straight line between their images stays on the same side of the centre as the edge.
+///   If an end is behind the axis by less than [`BEHIND`], both kinds of points are blended.
 /// - The foot can be at a right angle to the axis, where its position depends on rounding. The midpoint of the edge
 ///   replaces such a foot.
 fn around_foot<T: Scalar>(lobe: &SphericalGaussian<T>, from: Triple<T>, to: Triple<T>) -> [T; 2] {
@@ -152,7 +152,7 @@ fn around_foot<T: Scalar>(lobe: &SphericalGaussian<T>, from: Triple<T>, to: Trip
         let behind = -(a[2] / from).min(b[2] / to) / T::of(BEHIND);
         let behind = behind.min(T::ONE);
         let (foot, passing) = (beyond_foot(T::ZERO), a[2] / (a[2] - b[2]));
-        // The foot is on the side of the edge in front of the axis.
+        // Of the two points, the foot is closer to the end in front of the axis.
         let [first, second] = if a[2] > T::ZERO { [foot, passing] } else { [passing, foot] };
         parts = [mixed(parts[0], first, behind), mixed(parts[1], second, behind)];
     }

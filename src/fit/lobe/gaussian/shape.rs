@@ -3,9 +3,9 @@
 use super::Gaussian;
 use crate::math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit};
 
-/// The smallest height of an axis. The centre of a Gaussian is above the surface.
+/// The smallest height of an axis. It keeps the centre of a Gaussian above the surface.
 const LEAST_HEIGHT: f64 = 1e-6;
-/// The smallest area between deviations.
+/// The smallest area that two deviations span.
 const LEAST_AREA: f64 = 1e-30;
 
 /// A Gaussian over directions, of weight one in the plane of its equal-area projection.
@@ -20,13 +20,13 @@ pub struct SphericalGaussian<T> {
 }
 
 impl<T: Scalar> SphericalGaussian<T> {
-    /// The Gaussian around an axis with these deviations, which are perpendicular to the axis and have x or y of one. A
-    /// round Gaussian has the area of the deviations. Domain: an axis of unit length.
+    /// The Gaussian around an axis with these deviations: the vectors perpendicular to the axis at which x or y is one.
+    /// A round Gaussian has the area that the deviations span. Domain: an axis of unit length.
     ///
-    /// The axes x and y of a round Gaussian matter for the integral over polygons. They are the perpendicular vectors
-    /// closest to both deviations, which is the rotation of their polar decomposition. The axis x is along `d1 + d2'`,
-    /// where `d2'` is the second deviation turned back by a right angle. Both deviations are treated alike, so scenes
-    /// mirrored about the diagonal have equal light.
+    /// The axes x and y of a round Gaussian matter for the integral over polygons. They are the pair of perpendicular
+    /// vectors that is closest to both deviations: the rotation of their polar decomposition. The axis x is along
+    /// `d1 + d2'`, where `d2'` is the second deviation turned back by a right angle. Both deviations are treated alike,
+    /// so scenes mirrored about the diagonal have equal light.
     #[must_use]
     pub fn new(gaussian: Gaussian, axis: Triple<T>, deviations: [Triple<T>; 2]) -> Self {
         let [first, second] = deviations;
@@ -45,9 +45,10 @@ impl<T: Scalar> SphericalGaussian<T> {
     /// The Gaussian of a table's matrix, by columns. The third column is the axis, up to its length. The other two are
     /// the deviations in units of this length, up to a component along the axis.
     ///
-    /// A sharp Gaussian then has about the place and width of the LTC of the same matrix. Like the LTC, it does not
-    /// change if the first two columns turn into each other, or if the matrix is scaled. Layouts can therefore store
-    /// both in the same way. An axis below the horizon, a possible result of interpolation, is raised to the horizon.
+    /// A sharp Gaussian then has about the position and width of the LTC of the same matrix. Like the LTC, it does not
+    /// change if the first two columns are rotated into each other, or if the matrix is scaled. Layouts can therefore
+    /// store both in the same way. Interpolation can result in an axis below the horizon; such an axis is raised to the
+    /// horizon.
     #[must_use]
     pub fn of_columns(gaussian: Gaussian, columns: [Triple<T>; 3]) -> Self {
         let (axis, deviations) = axis_and_deviations(columns);
@@ -55,7 +56,7 @@ impl<T: Scalar> SphericalGaussian<T> {
     }
 
     /// Like [`SphericalGaussian::of_columns`], but x of a round Gaussian is along the first deviation. The Gaussian is
-    /// the same. A fit's samples and sums lie along x and y, and other axes would change the bytes of a recipe's table.
+    /// the same. A fit uses x and y for its samples and sums, so other axes would change the bytes of a recipe's table.
     #[must_use]
     pub(crate) fn along_first(gaussian: Gaussian, columns: [Triple<T>; 3]) -> Self {
         let (axis, [first, second]) = axis_and_deviations(columns);
@@ -66,14 +67,13 @@ impl<T: Scalar> SphericalGaussian<T> {
         Self { axis, rows }
     }
 
-    /// The displacements of a direction from the axis for an x of one and for a y of one, as [`SphericalGaussian::new`]
-    /// takes them.
+    /// The deviations that [`SphericalGaussian::new`] takes: the displacements from the axis at which x or y is one.
     #[must_use]
     pub fn deviations(&self) -> [Triple<T>; 2] {
         dual(self.axis, self.rows)
     }
 
-    /// The point of a direction of any length in the plane of the Gaussian, in deviations.
+    /// Projects a direction of any length to the plane of the Gaussian. The result is in deviations.
     #[must_use]
     pub fn at(&self, w: Triple<T>) -> [T; 2] {
         let length = dot(w, w).sqrt();

@@ -1,18 +1,18 @@
-//! Converts fitted matrices to stored matrices. The stored matrix of a distribution varies smoothly with it.
+//! Converts fitted matrices to stored matrices. The stored matrix varies smoothly with the distribution.
 
 use glam::DMat3;
 
 use crate::{brdf::Mirrors, math::rotation_from_z};
 
-/// The matrix of the same distribution whose first two columns are turned about the third, such that their block is
-/// symmetric and positive definite.
+/// Turns the first two columns of a matrix about the third, such that their block is symmetric and positive definite.
+/// The distribution does not change.
 ///
 /// For every rotation `R_z`, `M R_z` has the same distribution as `M`, and so has `M diag(1, -1, 1)` [KT et al. 2022,
 /// section 5]. Neither changes the third column. Let `M = R M'`, where `R` is the smallest rotation from +z to the
 /// direction of the third column. Then `det M'` is the determinant of the upper-left block times a length, so the block
-/// has a positive determinant if `M` has. Exactly one rotation, the block's polar factor, makes the block symmetric and
-/// positive definite. This rotation is continuous in `M`. The paper chooses the matrix nearest to the identity, which
-/// jumps if a lobe is far from the pole. Domain: `M` regular, its third column not along -z.
+/// has a positive determinant if `M` has one. Exactly one rotation, the block's polar factor, makes the block symmetric
+/// and positive definite. This rotation is continuous in `M`. The paper chooses the matrix nearest to the identity.
+/// This choice jumps for lobes far from the pole. Domain: `M` regular, its third column not along -z.
 ///
 /// The block is widened until the ratio of its eigenvalues is at least `flattest`.
 #[must_use]
@@ -49,8 +49,8 @@ pub fn turned(mut local: DMat3) -> DMat3 {
     local
 }
 
-/// Widens a block that is nearly a line. Adds to its diagonal until the smaller eigenvalue reaches `flattest` times the
-/// larger eigenvalue.
+/// Widens the block of a lobe that is nearly a line. Adds to its diagonal until the smaller eigenvalue reaches
+/// `flattest` times the larger eigenvalue.
 fn widened(mut m: DMat3, flattest: f64) -> DMat3 {
     let (xx, xy, yy) = (m.x_axis.x, m.x_axis.y, m.y_axis.y);
     let (half_trace, half_difference) = (0.5 * (xx + yy), 0.5 * (xx - yy));
@@ -62,7 +62,7 @@ fn widened(mut m: DMat3, flattest: f64) -> DMat3 {
     m
 }
 
-/// Sets elements to zero as the lobe's mirror symmetries demand [KT et al. 2022, equation 16].
+/// Sets elements to zero as the lobe's mirror symmetries require [KT et al. 2022, equation 16].
 fn symmetrised(mut m: DMat3, mirrors: Mirrors) -> DMat3 {
     for (axis, mirrored) in [mirrors.x, mirrors.y].into_iter().enumerate() {
         for other in (0..3).filter(|other| mirrored && *other != axis) {

@@ -8,8 +8,8 @@ use crate::math::cosine_hemisphere;
 
 /// A Linearly Transformed Cosine: directions `M c / |M c|` for `c` with density `max(c.z, 0) / pi` [Heitz 2016].
 ///
-/// For every rotation `R` about z and every flip of x or y, `M R` has the same distribution as `M`. So has `s M` for
-/// every `s > 0`.
+/// For every rotation `R` about z and every flip of x or y, `M R` has the same distribution as `M`. The same is true of
+/// `s M` for every `s > 0`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ltc {
     matrix: DMat3,

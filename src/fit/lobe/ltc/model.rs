@@ -18,8 +18,8 @@ impl LobeModelRules for LtcLobeModel {
 }
 
 impl LobeDistribution for Ltc {
-    /// Uses another map of the square than [`Ltc::sample`], which resembles the map in the fit's loss. A report shares
-    /// no code with the loss.
+    /// A report must not share code with the loss that fits minimise. The loss maps the unit square like
+    /// [`Ltc::sample`], so this function uses a different map.
     fn sample(&self, u: [f64; 2]) -> DVec3 {
         (self.matrix() * concentric_cosine(u)).normalize()
     }

@@ -5,20 +5,20 @@
 //! to `b` on the unit sphere. The part below the horizon is cut off first [Lambert 1760; Heitz, Dupuy, Hill, Neubelt
 //! 2016, equation 11].
 //!
-//! For a small polygon the terms `(a x b).z` cancel: each has the size of an edge, their sum has the size of the area.
-//! Around a closed outline the terms `((a - o) x (b - o)).z` have the same sum for any `o`. With `o` on the polygon,
-//! they are as small as their sum. So an edge adds this term, and `(a x b).z (acos(a . b) / |a x b| - 1)` for its
-//! curvature.
+//! For a small polygon the terms `(a x b).z` cancel: each term is as large as an edge, but their sum is as small as the
+//! area. Around a closed outline the terms `((a - o) x (b - o)).z` have the same sum for any `o`. With `o` on the
+//! polygon, they are as small as their sum. Each edge therefore adds this term, plus
+//! `(a x b).z (acos(a . b) / |a x b| - 1)` for its curvature.
 //!
-//! A convex polygon crosses the horizon at most twice. So edges can be cut and added one after another, and one arc
-//! along the horizon closes the outline. No list of clipped vertices is needed.
+//! A convex polygon crosses the horizon at most twice. Edges can therefore be cut and added one after another, and one
+//! arc along the horizon closes the outline. No list of clipped vertices is needed.
 
 use glam::DVec3;
 
 use super::Ltc;
 use crate::math::{Scalar, cross, dot, minus, unit};
 
-/// The largest number of vertices of a light in the shaders. A light cut at the horizon has one more vertex.
+/// The largest number of vertices of a light in the shaders. A light cut at the horizon can have one more vertex.
 pub const MAX_VERTICES: usize = 8;
 
 /// The sides from which a polygon is visible.
@@ -53,7 +53,7 @@ impl<T: Scalar> Clip<T> {
         Self { sum: T::ZERO, origin, previous: vertex, previous_unit: origin, leaves: nowhere, enters: nowhere }
     }
 
-    /// Adds the part of the edge to the next vertex that lies above the horizon.
+    /// Adds the edge to the next vertex, without the part below the horizon.
     pub fn edge_to(&mut self, vertex: [T; 3]) {
         let (a, b) = (self.previous, vertex);
         let (a_unit, b_unit) = (self.previous_unit, unit(vertex));
@@ -76,7 +76,7 @@ impl<T: Scalar> Clip<T> {
         self.previous
     }
 
-    /// Moves to a vertex without an edge. [`Clip::border`] adds the border to it.
+    /// Moves to a vertex without adding an edge. Call [`Clip::border`] to add a curved border up to this vertex.
     pub fn go_to(&mut self, vertex: [T; 3]) {
         (self.previous, self.previous_unit) = (vertex, unit(vertex));
     }
@@ -91,26 +91,26 @@ impl<T: Scalar> Clip<T> {
         self.enters = unit(direction);
     }
 
-    /// Adds a curved border between two directions, all of it above the horizon. `integral` is the integral of
-    /// `(p x dp)_z / |p|^2` along it.
+    /// Adds a curved border between two directions. The whole border must be above the horizon. `integral` is the
+    /// integral of `(p x dp)_z / |p|^2` along the border.
     pub fn border(&mut self, ends: [[T; 3]; 2], integral: T) {
-        // Replaces the chord between the ends, with `o` as in `arc`.
+        // The border replaces the chord between its ends. `origin` has the same purpose as in `arc`.
         let [p, q] = ends.map(unit);
         let moved = cross(minus(p, self.origin), minus(q, self.origin))[2] - cross(p, q)[2];
         self.sum = self.sum + integral + moved;
     }
 
-    /// The integral, in [-1, 1]. It is negative if the vertices, seen from the origin, run anticlockwise.
+    /// The integral, in [-1, 1]. It is negative if the vertices run anticlockwise as seen from the origin.
     #[must_use]
     pub fn finish(self) -> T {
-        // Both are the zero vector if nothing crosses the horizon.
+        // `leaves` and `enters` are both zero if nothing crosses the horizon.
         let is_cut = self.leaves != self.enters;
         let closing = if is_cut { self.arc(self.leaves, self.enters) } else { T::ZERO };
         (self.sum + closing) / T::TAU
     }
 
-    /// The contribution of an edge to the sum. Its angle comes from sine and cosine, which is accurate for every length
-    /// of arc. `acos` is not.
+    /// The contribution of an edge to the sum. Its angle is computed from sine and cosine. Unlike `acos`, this is
+    /// accurate for arcs of every length.
     fn arc(&self, a: [T; 3], b: [T; 3]) -> T {
         let c = cross(a, b);
         let sin = dot(c, c).sqrt();
@@ -140,9 +140,9 @@ impl Ltc {
         covered.clamp(0.0, 1.0)
     }
 
-    /// The vector form factor of a convex polygon in cosine space, without a horizon, pointing towards the polygon. A
-    /// cap of half angle sigma has the same length `sin^2 sigma`. [`super::clipped_form_factor`] approximates the part
-    /// above the horizon by the cap with the same vector form factor [Hill and Heitz 2016].
+    /// The vector form factor of a convex polygon in cosine space. It ignores the horizon and points towards the
+    /// polygon. For a cap of half angle sigma, its length is `sin^2 sigma`. [`super::clipped_form_factor`] approximates
+    /// the part of the polygon above the horizon by a cap with the same vector form factor [Hill and Heitz 2016].
     ///
     /// Zero for fewer than three vertices. Domain: finite vertices; a polygon that does not contain the origin.
     #[must_use]

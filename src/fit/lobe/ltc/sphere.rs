@@ -4,16 +4,16 @@ use std::f64::consts::PI;
 
 use crate::math::atan2;
 
-/// The form factor of a cap clipped at the horizon, relative to the same cap unclipped and straight above. It is the
-/// cosine-weighted solid angle of its part above the horizon, divided by `pi length`.
+/// The form factor of a cap clipped at the horizon, relative to the form factor of the same cap unclipped and straight
+/// above. It is the cosine-weighted solid angle of the cap's part above the horizon, divided by `pi length`.
 ///
-/// `cos_elevation` is the cosine `c` between the cap's axis and the normal. `length` is the length of its vector form
-/// factor, `sin^2 sigma` for a cap of half angle `sigma`, up to a hemisphere. Shaders take the vector form factor of
-/// any light, and multiply its length by the result [Hill and Heitz 2016].
+/// `cos_elevation` is the cosine `c` between the cap's axis and the normal. `length` is the length of the cap's vector
+/// form factor, `sin^2 sigma` for a cap of half angle `sigma`, up to a hemisphere. Shaders take the vector form factor
+/// of any light, and multiply its length by the result [Hill and Heitz 2016].
 ///
 /// By Stokes' theorem, the cosine-weighted solid angle of a part of the sphere is half the integral of `(r x dr)_z`
 /// along its border. With `s = sqrt(1 - c^2)`, the cap's circle is above the horizon for `|t| < tau`, where
-/// `r_z = cos sigma c + sin sigma s cos t`. It hides an arc of `2 beta` of the horizon:
+/// `r_z = cos sigma c + sin sigma s cos t`. The cap hides an arc of `2 beta` of the horizon:
 ///
 /// ```text
 /// cos tau  = -cot sigma c / s        (tau is 0 or pi if the circle does not meet the horizon)
@@ -21,8 +21,8 @@ use crate::math::atan2;
 /// E = tau sin^2 sigma c - sin sigma cos sigma s sin tau + beta
 /// ```
 ///
-/// A cap that does not meet the horizon has `max(c, 0)`, and so has a cap of zero width. Domain: `cos_elevation` in
-/// [-1, 1], `length` in [0, 1].
+/// The result is `max(c, 0)` for a cap that does not meet the horizon, and for a cap of zero width. Domain:
+/// `cos_elevation` in [-1, 1], `length` in [0, 1].
 #[must_use]
 pub fn clipped_form_factor(cos_elevation: f64, length: f64) -> f64 {
     let c = cos_elevation;
@@ -31,8 +31,8 @@ pub fn clipped_form_factor(cos_elevation: f64, length: f64) -> f64 {
     if c.abs() >= sin_sigma {
         return c.max(0.0);
     }
-    // tau and beta come from sine and cosine, each up to one length: sin^2 sigma s^2 - cos^2 sigma c^2 = sin^2 sigma -
-    // c^2.
+    // tau and beta are computed from sine and cosine, both multiplied by the same length: sin^2 sigma s^2 - cos^2 sigma
+    // c^2 = sin^2 sigma - c^2.
     let met = (length - c * c).sqrt();
     let tau = atan2(met, -cos_sigma * c);
     let beta = atan2(met, cos_sigma);
@@ -40,14 +40,14 @@ pub fn clipped_form_factor(cos_elevation: f64, length: f64) -> f64 {
     (projected_solid_angle / (PI * length)).max(0.0)
 }
 
-/// [`clipped_form_factor`] with two additions and a division: `(length + c) / (length + 1)`, clamped at zero [Hill and
-/// Heitz 2016].
+/// An approximation of [`clipped_form_factor`] with two additions and a division: `(length + c) / (length + 1)`,
+/// clamped at zero [Hill and Heitz 2016].
 ///
-/// It is exact for a light straight above and for a light of zero width. Other lights are too bright, by up to 0.180 at
-/// `length` 0.64 and `c` 0.225, and by up to 0.106 if the cap does not meet the horizon. They are too dark by at most
-/// 0.029. Multiplied by `length`, the error is relative to the light of a hemisphere. It is then 0.042 on average over
-/// `c` and `length`, at most +0.135 (`length` 0.82, `c` 0.165) and -0.0075, and at most +0.051 if the cap does not meet
-/// the horizon.
+/// It is exact for a light straight above and for a light of zero width. Otherwise its error is between -0.029 and
+/// +0.180 (at `length` 0.64, `c` 0.225), and at most +0.106 if the cap does not meet the horizon. Multiplied by
+/// `length`, the error is relative to the light of a hemisphere. This error is 0.042 on average over `c` and `length`.
+/// It is between -0.0075 and +0.135 (at `length` 0.82, `c` 0.165), and at most +0.051 if the cap does not meet the
+/// horizon.
 #[must_use]
 pub fn cheap_form_factor(cos_elevation: f64, length: f64) -> f64 {
     ((length + cos_elevation) / (length + 1.0)).max(0.0)
@@ -90,7 +90,7 @@ mod tests {
         assert!(clipped_form_factor(-1.0, 1.0) < 1e-15);
         // A hemisphere at any elevation gives (1 + c) / 2.
         assert!((clipped_form_factor(0.6, 1.0) - 0.8).abs() < 1e-14);
-        // A light of zero width gives its cosine.
+        // The result for a light of zero width is its cosine.
         assert_eq!([clipped_form_factor(0.3, 0.0), clipped_form_factor(-0.3, 0.0)], [0.3, 0.0]);
     }
 
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn the_cheap_fit_is_off_by_what_its_documentation_says() {
+    fn the_cheap_fit_has_the_documented_error() {
         let (mut factor, mut light, mut mean) = ([0.0_f64; 3], [0.0_f64; 3], 0.0);
         let (rows, columns) = (300, 600);
         for i in 1..=rows {

@@ -7,17 +7,18 @@
 //! ```
 //!
 //! Heitz et al. minimise the integral of `|f cos - albedo D|^3`. It has the same minimum, because it is the cube of
-//! this loss times a constant of the lobe. Their albedo is the norm of the LTC, as here.
+//! this loss times a constant of the lobe. Like this file, they use the albedo as the norm of the LTC.
 //!
 //! The integral is estimated from samples of both densities, weighted by the balance heuristic [Veach and Guibas 1995].
 //! With `n_b` samples of the lobe and `n_l` of the LTC, a sample `w` of either contributes
-//! `|g - D|^3 / (n_b p_b(w) + n_l D(w))`. A BRDF's sampler can draw directions below the horizon. There only the
-//! samples of the LTC count, and `p_b` is zero.
+//! `|g - D|^3 / (n_b p_b(w) + n_l D(w))`. A BRDF's sampler can draw directions below the horizon. Below the horizon
+//! only the samples of the LTC count, and `p_b` is zero.
 //!
-//! [`Loss::value`] moves the samples of the LTC with its matrix, as the code of 2017 does. A gradient through moving
-//! samples would need the gradient of the BRDF. [`Loss::value_and_gradient`] therefore keeps the samples of the LTC,
-//! and the densities for all weights, at its first matrix. It is a smooth function of the matrix with an exact
-//! gradient. It estimates the same integral, and more accurately if the matrix is closer to the first matrix.
+//! [`Loss::value`] moves the samples of the LTC with its matrix, as the published code of 2017 does. A gradient through
+//! moving samples would need the gradient of the BRDF. [`Loss::value_and_gradient`] therefore keeps the samples of the
+//! LTC, and the densities for all weights, as they are at its first matrix. The result is a smooth function of the
+//! matrix with an exact gradient. It estimates the same integral; the closer the matrix is to the first matrix, the
+//! more accurate the estimate is.
 
 use std::{f64::consts::PI, sync::Arc};
 
@@ -30,7 +31,7 @@ use crate::{
     stop_check::StopCheck,
 };
 
-/// A coarse evaluation takes this part of the samples, but at least this many.
+/// A coarse evaluation takes one of `COARSE` samples, but at least `LEAST_COARSE` samples.
 const COARSE: usize = 8;
 const LEAST_COARSE: usize = 64;
 /// Work of a sample of the LTC, in units of a projection of a sample on a direction. It covers the BRDF and its
@@ -121,7 +122,7 @@ impl Slopes {
         Self { density, sum: 0.0, by_inverse: DMat3::ZERO, by_determinant: 0.0 }
     }
 
-    /// Adds a direction drawn with a density of `1 / weight`. `lobe` is the lobe's density there.
+    /// Adds a direction drawn with a density of `1 / weight`. `lobe` is the lobe's density in this direction.
     fn add(&mut self, direction: DVec3, lobe: f64, weight: f64) {
         let (c, ltc) = self.density.at(direction);
         let off = ltc - lobe;
@@ -154,7 +155,7 @@ struct L3Loss<'a> {
     /// `1 / integral g^3`.
     inv_whole: f64,
     spread: f64,
-    /// The fixed samples of lobe and LTC for gradients. They belong to the first matrix of an evaluation.
+    /// The fixed samples of lobe and LTC for gradients. They are computed for the first matrix that is evaluated.
     fixed: [Option<Vec<DensitySample>>; 2],
 }
 
@@ -292,7 +293,7 @@ impl Loss for L3Loss<'_> {
             slopes.add(direction, lobe, 1.0 / (count * (lobe + ltc)));
         }
         let (_, by_m) = self.of(&slopes, m);
-        // A singular matrix has no density. A step from it has no direction.
+        // A singular matrix has no density, so the step is zero.
         Some(if by_m.is_finite() { by_m * rate } else { DMat3::ZERO })
     }
 }

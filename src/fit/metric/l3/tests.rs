@@ -96,7 +96,7 @@ fn the_gradient_is_that_of_central_differences() {
     });
 }
 
-/// A lobe that is an LTC has a distance of zero to it, and a positive distance to all others.
+/// A lobe that is an LTC has a distance of zero to this LTC, and a positive distance to all other LTCs.
 #[test]
 fn only_the_lobe_itself_is_at_distance_zero() {
     let planted =

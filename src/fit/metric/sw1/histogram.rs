@@ -1,23 +1,25 @@
-//! Counts samples in cells with integers. Integer sums are exact, so their order does not matter.
+//! Counts samples in cells with integers. Integer sums are exact, so the order of the samples does not matter.
 
 use super::cells::{CELLS, FRACTION_BITS};
 
-/// Bits of a sample's position inside of its cell. A sample of weight [`WHOLE`] then fits 32 bits twice.
+/// Bits of a sample's position inside its cell. With this number, a sample of weight [`WHOLE`] fits both halves of a
+/// word.
 const PLACE_BITS: u32 = 14;
 /// The largest total weight of all samples.
 pub(super) const WHOLE: u32 = 1 << 30;
-/// The weight of a sample if all samples have the same weight. It makes the lower half of a word the plain sum of
-/// parts.
+/// The weight of a sample if all samples have the same weight. With this weight, the lower half of a word is simply the
+/// sum of the positions inside the cell.
 pub(super) const EQUAL: u32 = 1 << PLACE_BITS;
 /// The largest number of samples of this weight.
 pub(super) const MOST_SAMPLES: usize = (WHOLE / EQUAL) as usize;
 
 /// The weight in each cell, and the cumulative weight below the node after it.
 ///
-/// The two nodes around a sample share its weight in proportion (cloud-in-cell). For a sample at the part `f` of its
-/// cell, the node before it gets `1 - f` and the node after it `f`. The cumulative weight below the node after a cell
-/// is the weight of all samples up to and in the cell, minus the parts `f` of the samples in the cell. One update of a
-/// word adds both: the weight in its upper half, and the weight times `f` in its lower half.
+/// The two nodes around a sample share its weight in proportion (cloud-in-cell). For a sample at the fraction `f` of
+/// its cell, the node before it gets `1 - f` of the weight and the node after it gets `f`. The cumulative weight below
+/// the node after a cell is the weight of all samples up to and in the cell, minus the weight times `f` of the samples
+/// in the cell. One update of a word adds both: the weight in its upper half, and the weight times `f` in its lower
+/// half.
 #[derive(Debug)]
 pub(super) struct Histogram {
     words: Box<[u64; CELLS]>,
@@ -34,7 +36,7 @@ impl Default for Histogram {
 #[derive(Debug, Default)]
 pub(super) struct Places {
     pub(super) cells: Vec<u32>,
-    /// The positions inside of the cells, in units of `2^-PLACE_BITS`.
+    /// The positions inside the cells, in units of `2^-PLACE_BITS`.
     pub(super) parts: Vec<u32>,
 }
 
@@ -45,7 +47,7 @@ impl Places {
     }
 }
 
-/// Cell and part of a fixed-point position. Domain: not negative.
+/// Splits a fixed-point position into a cell and a position inside the cell. Domain: not negative.
 #[inline]
 pub(super) fn split(position: i32) -> (u32, u32) {
     let position = position.cast_unsigned();

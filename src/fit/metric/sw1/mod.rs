@@ -1,9 +1,9 @@
 //! The sliced Wasserstein-1 distance between a lobe and an LTC, and its gradient, without sorting.
 //!
-//! On one direction `d` the distance is the area between two cumulative distributions, `integral |F(x) - G(x)| dx`. G
-//! belongs to the lobe, does not change, and is tabulated once. F belongs to the LTC's samples, projected on `d`. Both
-//! are histograms on the same nodes. The two nodes around a sample share it in proportion (cloud-in-cell). So F moves
-//! continuously with the samples, and the cost is linear in their number.
+//! Along one direction `d`, the distance is the area between two cumulative distributions, `integral |F(x) - G(x)| dx`.
+//! G belongs to the lobe, does not change, and is tabulated once. F belongs to the LTC's samples, projected on `d`.
+//! Both are histograms on the same nodes. The two nodes around a sample share its weight in proportion (cloud-in-cell).
+//! F therefore moves continuously with the samples, and the cost is linear in the number of samples.
 
 mod cells;
 mod histogram;
@@ -40,7 +40,7 @@ const LEAST_COARSE: usize = 64;
 /// Seconds of one evaluation of loss and gradient, for each sample and direction. The projections of the lobe and the
 /// measured error are included.
 const EVALUATION_SECONDS: f64 = 2.4e-9;
-/// Seconds of one evaluation for each direction, independent of the number of samples. They are for the histograms.
+/// Seconds of one evaluation for each direction, independent of the number of samples. The histograms take this time.
 const DIRECTION_SECONDS: f64 = 0.48e-6;
 
 /// The sliced Wasserstein distance as an item of [`super::Metric`].
@@ -110,7 +110,7 @@ struct Buffers {
     y: Vec<f32>,
     z: Vec<f32>,
     inv_length: Vec<f32>,
-    /// Gradient of the loss with respect to each sample's direction, in parts of a sample.
+    /// Gradient of the loss with respect to each sample's direction, not yet divided by [`SlicedLoss::parts`].
     gx: Vec<f32>,
     gy: Vec<f32>,
     gz: Vec<f32>,
@@ -207,7 +207,7 @@ impl<'a> SlicedLoss<'a> {
         work.prepare(samples.len());
         for (to, from) in [&mut work.x, &mut work.y, &mut work.z].into_iter().zip(offsets) {
             to[..*count].copy_from_slice(&from[..*count]);
-            // The padding of the arrays must be valid directions.
+            // The padding of the arrays must consist of valid directions.
             to[*count..].fill(0.0);
         }
     }
@@ -234,7 +234,7 @@ impl<'a> SlicedLoss<'a> {
         Some(sum / self.slices.len().div_ceil(stride) as f64)
     }
 
-    /// The number of summands of an evaluation's gradient: samples times directions.
+    /// The number of terms in the sum of an evaluation's gradient: samples times directions.
     fn parts(&self, grain: Grain) -> usize {
         self.slices.len().div_ceil(Self::stride(grain)) * self.samples[grain as usize].count
     }
@@ -264,12 +264,12 @@ impl<'a> SlicedLoss<'a> {
             let c = [cx, cy, cz].map(lanes);
             let mut by_w = [[0.0; LANES]; 3];
             for k in 0..LANES {
-                // With f = (x, y, 1 + z), f . g = beside + gz. The third component is written without cancellation.
-                let beside = x[k] * gx[k] + y[k] * gy[k] + z[k] * gz[k];
-                let along = beside + gz[k];
+                // With f = (x, y, 1 + z), f . g = partial + gz. The third component is written without cancellation.
+                let partial = x[k] * gx[k] + y[k] * gy[k] + z[k] * gz[k];
+                let along = partial + gz[k];
                 by_w[0][k] = (gx[k] - x[k] * along) * inv[k];
                 by_w[1][k] = (gy[k] - y[k] * along) * inv[k];
-                by_w[2][k] = -(beside + z[k] * along) * inv[k];
+                by_w[2][k] = -(partial + z[k] * along) * inv[k];
             }
             for (i, sum) in sums.iter_mut().enumerate() {
                 for k in 0..LANES {
@@ -342,7 +342,7 @@ impl Row {
             for k in 0..LANES {
                 let gap = below[k] as f32 * whole - cumulative[k];
                 loss[k] += gap.abs() * length[k];
-                // A sample that moves up by dx takes dx / (n length) from F at the node after its cell.
+                // A sample that moves up by dx reduces F at the node after its cell by dx / (n length).
                 push[k] = -1.0_f32.copysign(gap);
             }
         }

@@ -5,8 +5,8 @@ use glam::DVec3;
 use super::histogram::MOST_SAMPLES;
 use crate::math::{Lattice, cosine_hemisphere};
 
-/// The number of partial sums of a sum; each adds every eighth summand. It is fixed, so the order does not depend on
-/// the processor's vector width.
+/// Each sum is split into this many partial sums, over every eighth term. The number is fixed, so the order of
+/// additions does not depend on the processor's vector width.
 pub(super) const LANES: usize = 8;
 /// Fixed samples of the clamped cosine, with one array for each coordinate. Arrays are padded to whole [`LANES`].
 #[derive(Debug, Clone)]
@@ -31,7 +31,7 @@ impl CosineSamples {
             numbers
         };
         let mut z = coordinate(|c| c.z);
-        // The padding must be valid directions.
+        // The padding must consist of valid directions.
         z[count..].fill(1.0);
         Self { count, lattice, x: coordinate(|c| c.x), y: coordinate(|c| c.y), z }
     }

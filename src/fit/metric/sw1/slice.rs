@@ -30,7 +30,7 @@ pub(super) struct TargetSamples {
     pub(super) x: Vec<f32>,
     pub(super) y: Vec<f32>,
     pub(super) z: Vec<f32>,
-    /// Weights in parts of [`WHOLE`].
+    /// Weights as integers, which add up to about [`WHOLE`].
     pub(super) weights: Vec<u32>,
     /// Distances from the centre in widths along the current direction. `places` has the cells.
     distance: Vec<f32>,
@@ -77,8 +77,8 @@ impl Slice {
         }
     }
 
-    /// Fixed-point position of a distance in widths. It is monotonic. Distances beyond the end and NaN are just before
-    /// the last node.
+    /// Fixed-point position of a distance in widths. It is monotonic. Distances beyond the end, and NaN, get the
+    /// position just before the last node.
     #[inline]
     fn locate(&self, distance: f32) -> i32 {
         let last = f32::from_bits((ONE_BITS + self.middle - 1) as u32);
@@ -121,7 +121,7 @@ impl Slice {
         let TargetSamples { x, y, z, weights, distance, places } = target;
         slice.distances([x, y, z], distance);
         let farthest = largest(distance);
-        // Has one octave more than the target needs, because an LTC can be wider.
+        // One octave more than the target needs, because an LTC can be wider than the target.
         let octaves = (((1.0 + farthest).to_bits().cast_signed() - ONE_BITS) >> (FRACTION_BITS + CELL_BITS)) + 2;
         let octaves = octaves.min(MOST_OCTAVES);
         let side = octaves << CELL_BITS;

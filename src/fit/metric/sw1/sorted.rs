@@ -1,4 +1,4 @@
-//! The gradient of the sliced Wasserstein distance by sorting, as KT et al. 2022 state it (Algorithm 3).
+//! The gradient of the sliced Wasserstein distance by sorting, as in Algorithm 3 of KT et al. 2022.
 
 use glam::{DMat3, DVec3};
 
@@ -7,7 +7,7 @@ use crate::{metric::distance::Draws, stop_check::StopCheck};
 /// Work of a step for each sample and direction, in units of a projection. It covers two sorts.
 const SORTING: usize = 16;
 
-/// Returns `rate` times the gradient with respect to `M`. On each direction, the sorted projections of lobe and LTC
+/// Returns `rate` times the gradient with respect to `M`. Along each direction, the sorted projections of lobe and LTC
 /// form pairs, and each sample of the LTC moves towards its partner. The chain rule through `f = M c / |M c|` converts
 /// these slopes to the gradient.
 pub(super) fn step(m: &DMat3, rate: f64, draws: &Draws, stop_check: &mut StopCheck) -> Option<DMat3> {

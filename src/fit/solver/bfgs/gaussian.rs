@@ -1,7 +1,8 @@
 //! Fits the Gaussian of one lobe with BFGS.
 //!
-//! The variables are the variables of the LTC without its slope, for the columns of [`SphericalGaussian::of_columns`].
-//! In the lobe's frame, with `C^2` and `c` the block and the centre of an initial guess,
+//! The variables are the same as for an LTC, without the slope. They form the columns of
+//! [`SphericalGaussian::of_columns`]. In the lobe's frame, with `C^2` and `c` the block and the centre of an initial
+//! guess,
 //!
 //! ```text
 //! [x y] = C (I + A) C,    z = (c + C^2 a, 1)      A symmetric, for a round Gaussian a multiple of I
@@ -10,8 +11,8 @@
 //! The axis stays above the horizon. If a step would move it below, its height decreases exponentially instead.
 //!
 //! The metric supplies the gradient with respect to directions. The derivatives of directions with respect to the
-//! variables are finite differences with fixed steps. The map is smooth, so they lose few digits, and their sum over
-//! samples contains no noise of the metric.
+//! variables are finite differences with fixed steps. The map from variables to directions is smooth, so the
+//! differences lose few digits and contain no noise of the metric.
 
 use glam::{DMat2, DMat3, DVec2, DVec3};
 
@@ -31,13 +32,13 @@ use crate::{
 const DEVIATION2_OVER_SCATTER: f64 = 5.0;
 /// Step of the finite differences. All variables are of order one; see [`super`].
 const STEP: f64 = 1e-5;
-/// Cost of deviations of length one, in units of the lobe's width. It grows with the fourth power. Without it, the
-/// Gaussian of a lobe that is nearly uniform over the hemisphere would be infinitely wide. It hardly changes the
-/// Gaussians of other lobes.
+/// Cost of deviations of length one, in units of the lobe's width. The cost grows with the fourth power of the length.
+/// Without it, the Gaussian of a lobe that is nearly uniform over the hemisphere would be infinitely wide. The cost
+/// hardly changes the Gaussians of other lobes.
 const BREADTH_COST: f64 = 1e-4;
 /// Work of an image, in units of a projection of a sample on a direction.
 const IMAGE_WORK: usize = 20;
-/// Seconds of an image of a Gaussian that the horizon cuts, which is the common case.
+/// Seconds for one image of a Gaussian that the horizon cuts, which is the common case.
 const IMAGE_SECONDS: f64 = 120e-9;
 
 /// Seconds of an evaluation for each sample, in addition to the metric: one image, and one more for each free variable.
@@ -116,7 +117,7 @@ struct Search<'a, 'b> {
     grain: Grain,
     images: Images,
     to_lobe: DMat3,
-    /// The images of the points by the Gaussian. `moved` has the images by a neighbouring Gaussian.
+    /// The images of the points under the Gaussian. `moved` has the images under a slightly different Gaussian.
     base: Vec<DVec3>,
     moved: Vec<DVec3>,
 }
@@ -179,7 +180,7 @@ pub(super) fn solve(
     Some(DMat3::from_cols(x, y, shape.axis.into()))
 }
 
-/// Directions in f32, with one array for each coordinate, as the metric takes them.
+/// Directions in f32, with one array for each coordinate, as the metric needs them.
 pub(crate) fn in_arrays(offsets: &[DVec3]) -> Offsets {
     [|o: &DVec3| o.x, |o: &DVec3| o.y, |o: &DVec3| o.z].map(|of| offsets.iter().map(|o| of(o) as f32).collect())
 }
@@ -207,7 +208,7 @@ mod tests {
         let mut distance = Metric::Sw1.rules().distance(&Samples { count: 1024, directions: 24, shift: [0.0; 2] });
         let mut go_on = unstopped;
         let mut stop_check = StopCheck::new(&mut go_on);
-        // This metric only compares the samples.
+        // This metric compares only samples, so the surface does not matter.
         let lobe = Lobe { brdf: &Ggx { alpha_x: 0.5, alpha_y: 0.5 }, wo: DVec3::Z, target };
         let mut loss = distance.to(&lobe, &mut stop_check).expect("nothing stops it");
         let spread = loss.spread();
@@ -222,7 +223,8 @@ mod tests {
         planted_directions(Lattice::new(8192, [0.3, 0.8]).points().map(|u| model.sample(u)).collect(), mirrors)
     }
 
-    /// A search also works with a slightly wrong gradient, so this test compares with differences of the loss.
+    /// A search also succeeds with a slightly wrong gradient, so this test compares the gradient with differences of
+    /// the loss.
     #[test]
     fn the_gradient_is_that_of_central_differences() {
         const STEP: f64 = 1e-3;

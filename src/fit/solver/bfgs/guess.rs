@@ -4,8 +4,8 @@ use glam::{DMat2, DMat3, DVec2};
 
 use crate::{math::symmetric_sqrt, metric::LobeCore};
 
-/// The `M = [[root^2, centre], [0, 1]]` of an LTC whose core has the location and scatter of the lobe's core. It maps
-/// cosine space to the lobe's frame.
+/// The matrix `M = [[root^2, centre], [0, 1]]` of an LTC whose core has the location and scatter of the lobe's core. It
+/// maps cosine space to the lobe's frame.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Guess {
     /// Square root of the upper-left block. Both are symmetric and positive definite.

@@ -6,19 +6,19 @@ pub(super) const VARIABLES: usize = 7;
 /// A point, a gradient or a direction.
 pub(super) type Vector = [f64; VARIABLES];
 
-/// The smallest part of the decrease predicted by the gradient that a step must achieve (Armijo).
+/// A step must achieve at least this fraction of the decrease that the gradient predicts (Armijo).
 const SUFFICIENT_DECREASE: f64 = 1e-4;
 /// The number of halvings of a step before the direction is abandoned.
 const MOST_HALVINGS: u32 = 12;
 /// The largest step of the variables. The quadratic model does not hold beyond it.
 const LONGEST_STEP: f64 = 1.0;
 
-/// The criteria to stop.
+/// The criteria for stopping.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct StopRule {
     /// The largest number of steps.
     pub(super) steps: u32,
-    /// Stops after a step that reduces the value by less than this part of it.
+    /// Stops after two steps in a row that reduce the value by less than this fraction.
     pub(super) relative_decrease: f64,
 }
 
@@ -69,8 +69,8 @@ impl InverseHessian {
 }
 
 /// Minimises `function`, which returns value and gradient, from `start`. `hessian` is an estimate of the inverse
-/// Hessian, and is improved. If it gives a bad direction, the search continues with the diagonal `curvature`. Variables
-/// that are not `free` do not change. Returns `None` if `function` does.
+/// Hessian, which the search improves. If the estimate gives a bad direction, the search continues with the diagonal
+/// `curvature`. Variables that are not `free` do not change. Returns `None` if `function` returns `None`.
 ///
 /// Returns the lowest point. A value that is not finite counts as too high.
 pub(super) fn minimise(

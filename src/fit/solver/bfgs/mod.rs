@@ -9,7 +9,7 @@
 //! ```
 //!
 //! The symmetry of the block removes the rotation about z, which leaves a clamped cosine unchanged. The 1 in the corner
-//! removes the scale. All seven variables are of order one for every lobe, also for sharp and thin lobes. `A` changes
+//! removes the scale. All seven variables are of order one for every lobe, including sharp and thin lobes. `A` changes
 //! the lobe's axes, and `a` moves the lobe, in units of its width. `l` is the slope of the plane of the first two
 //! columns, which is zero in the limit of a mirror. If the lobe has a mirror symmetry, the variables that would break
 //! it are not free.
@@ -37,12 +37,12 @@ use crate::{
     stop_check::StopCheck,
 };
 
-/// BFGS stops when two steps in a row reduce the loss by less than this part, after some 7 evaluations. With a tenth of
-/// this limit, a table's error falls by only a tenth of a per cent.
+/// BFGS stops when two steps in a row reduce the loss by less than this fraction. This takes about 7 evaluations. With
+/// a tenth of this limit, a table's error is only 0.1 % smaller.
 const RELATIVE_DECREASE: f64 = 1e-3;
 /// Evaluations until BFGS has converged. Eight coarse evaluations count as one.
 const EVALUATIONS: u32 = 9;
-/// The slope's part of [`curvature`], in units of the lobe's width.
+/// The element of [`curvature`] for the slope, in units of the lobe's width.
 const SLOPE_CURVATURE: f64 = 8.0;
 
 /// The approximate diagonal of the inverse Hessian. The first five variables are of order one for every lobe. The slope
@@ -157,8 +157,8 @@ fn refine(
         let stop = StopRule { relative_decrease, ..stop };
         lowest = minimise(lowest, &curvature, &mut hessian, free_variables(mirrors), stop, |v| {
             let parts = SearchMatrices::of(v);
-            // The search is limited to positive determinants. A mirrored `M` has the same distribution as one of them,
-            // and a singular `M` has no distribution.
+            // The search is limited to matrices with a positive determinant. A mirrored `M` has the same distribution
+            // as one of these matrices, and a singular `M` has no distribution.
             if parts.shape.determinant() <= 0.0 || parts.shape.x_axis.x <= 0.0 {
                 return Some((f64::INFINITY, [0.0; VARIABLES]));
             }
@@ -222,7 +222,7 @@ mod tests {
         }
     }
 
-    /// A lobe entirely above the horizon, because metrics of densities compare only that part.
+    /// Uses a lobe entirely above the horizon, because metrics that compare densities ignore the part below.
     #[test]
     fn a_planted_matrix_is_recovered_by_every_metric() {
         let (x, y, z) = (DVec3::new(0.2, 0.02, 0.06), DVec3::new(-0.03, 0.1, 0.0), DVec3::new(-0.3, 0.1, 0.95));

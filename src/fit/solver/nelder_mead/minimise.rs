@@ -1,8 +1,9 @@
 //! Nelder and Mead's downhill simplex [Nelder and Mead 1965], in few variables and without randomness.
 
-/// At convergence, the values of vertices differ by at most this part.
+/// At convergence, the values of vertices differ by at most this fraction.
 const RELATIVE_DIFFERENCE: f64 = 1e-4;
-/// At convergence, vertices differ by at most this in each variable. A simplex along a level line has not converged.
+/// At convergence, vertices also differ by at most this distance in each variable. A large simplex whose vertices have
+/// equal values has not converged.
 const SMALLEST: f64 = 2e-3;
 
 /// A vertex and its value.

@@ -1,7 +1,8 @@
-//! Fits the matrix of one isotropic lobe with Nelder and Mead's simplex, like Heitz et al. 2016 and the code of 2017.
+//! Fits the matrix of one isotropic lobe with Nelder and Mead's simplex, like Heitz et al. 2016 and the published code
+//! of 2017.
 //!
-//! The frame is the frame of the lobe's mean direction. Its y axis is perpendicular to the plane of incidence. Three
-//! numbers form
+//! The search works in the frame of the lobe's mean direction. The y axis of this frame is perpendicular to the plane
+//! of incidence. Three numbers form
 //!
 //! ```text
 //!     | m11  0  m13 |                       | m11  0   0 |
@@ -9,9 +10,9 @@
 //!     |  0   0   1  |                       | m31  0   1 |
 //! ```
 //!
-//! The search keeps the lobe's mean direction. The lobe then has one free number less than the distribution, and
-//! entries change smoothly with their lobes. Three numbers suffice only for lobes that are symmetric about a plane of
-//! incidence, so recipes with this solver have a ratio of one.
+//! The search does not change this frame. The matrix then has one free number fewer than the matrix of a general
+//! symmetric LTC, and entries change smoothly with their lobes. Three numbers suffice only for lobes that are symmetric
+//! about a plane of incidence, so recipes with this solver have a ratio of one.
 //!
 //! The variables of the simplex are the logarithms of `m11` and `m22` relative to the start, and the shear in a unit
 //! that makes it of order one for every lobe: `m13` in units of `m11`, `m31` without a unit. The code of 2017 searches
@@ -38,7 +39,7 @@ use crate::{
 const SIDE: f64 = 0.1;
 /// Evaluations until the simplex has converged, unless the recipe allows fewer steps.
 const EVALUATIONS: u32 = 70;
-/// Mean evaluations of a step.
+/// Mean number of evaluations per step.
 const STEP_EVALUATIONS: f64 = 1.8;
 /// The smallest `m11` and `m22`, far below the widths of the sharpest fitted lobes.
 const LEAST: f64 = 1e-9;
@@ -78,11 +79,11 @@ struct Numbers {
 }
 
 impl Numbers {
-    /// The numbers for the location and scatter of the lobe.
+    /// The initial numbers, from the location and scatter of the lobe.
     fn guessed(target: &Target, shear: Shear) -> Self {
         let mut flat = Guess::of(&target.core).matrix();
         if shear == Shear::Z {
-            // The frame already has the mean direction, so the start has no offset from it.
+            // The z axis of the frame is the mean direction, so the start has no offset from this axis.
             flat.z_axis = DVec3::Z;
         }
         Self::of(&flat, shear)

@@ -6,8 +6,8 @@ use crate::{
     stop_check::unstopped,
 };
 
-/// The matrix found for the lobe of `m`, a matrix in the frame of its mean direction up to a small turn. The search
-/// starts from the lobe's own guess, or near another matrix.
+/// The matrix that a search finds for the lobe of `m`. Up to a small rotation, `m` is in the frame of the lobe's mean
+/// direction. The search starts from `near`, or else from the guess for the lobe.
 fn found(metric: Metric, shear: Shear, m: DMat3, near: Option<DMat3>) -> DMat3 {
     let planted = PlantedBrdf::new(DMat3::from_rotation_y(0.4) * m);
     let points: Vec<SquarePoint> = Lattice::new(4096, [0.3, 0.8]).points().map(SquarePoint::new).collect();
@@ -38,7 +38,8 @@ fn planted_numbers_are_recovered_by_every_metric_from_any_start() {
     }
 }
 
-/// A step of the simplex changes lobes of any width in proportion. The numbers of a matrix give the matrix again.
+/// Tests that the numbers of a matrix give the matrix again, and that a step of the simplex changes lobes of any width
+/// in proportion.
 #[test]
 fn numbers_of_a_matrix_give_it_again() {
     for shear in Shear::ALL {

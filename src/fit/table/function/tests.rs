@@ -11,7 +11,8 @@ fn planted_polynomials_are_found() {
     for alpha in [0.0, 0.003, 0.2, 0.55, 1.0] {
         for theta in [0.0, 0.4, 1.1, 1.5] {
             for (found, wanted) in found.numbers(alpha, theta).into_iter().zip(wanted(alpha, theta)) {
-                // The sum of a hundred coefficients, each rounded to half a step.
+                // The value is the sum of a hundred terms, and each coefficient has a rounding error of up to half a
+                // step.
                 assert!((found - wanted).abs() < 2e-3, "{alpha} {theta}: {found} {wanted}");
             }
         }

@@ -167,7 +167,8 @@ proptest! {
     }
 
     /// Outside of its ranges a table returns the result of the nearest configuration inside, including its reflection.
-    /// Surfaces with roughness below 1e-4 have another ratio, because both roughnesses are first raised to 1e-5.
+    /// Surfaces with roughness below 1e-4 would get a different ratio, because both roughnesses are first raised to
+    /// 1e-5.
     #[test]
     fn outside_its_nodes_a_reflected_table_answers_as_at_their_end(a in 1e-4..0.1, r in 0.0..0.2, t in 1.5..FRAC_PI_2) {
         let table = reflections(linear().axes, IDENTITY);
@@ -223,7 +224,7 @@ fn of_engines(layout: Layout) -> Table {
 }
 
 proptest! {
-    /// Tests roughnesses from the smallest on. A lookup raises smaller values to it.
+    /// Tests roughnesses from the smallest value that a lookup does not raise.
     #[test]
     fn isotropic_layouts_are_what_engines_sample(u in 0.004..=1.0, v in 0.0..=1.0, phi in 0.0..=FRAC_PI_2) {
         for (layout, stores_inverse, theta) in [

@@ -131,13 +131,13 @@ impl Light {
     }
 }
 
-/// The parts above the surface of a distribution and of the same distribution turned over.
+/// The part of a distribution above the surface, and the part of its mirror image above the surface.
 fn parts(ltc: &Ltc, below: &Ltc) -> [f64; 2] {
     [ltc, below].map(|ltc| CosineSpace::from(ltc).part_above())
 }
 
-/// The parts above and below add up to the whole light, for every shape. The part below comes from the same code,
-/// turned over.
+/// The parts above and below add up to the whole light, for every shape. The part below comes from the same code, with
+/// everything mirrored at the surface.
 #[test]
 fn above_and_below_make_a_whole() {
     let mut draw = Draw(Xoshiro256PlusPlus::seed_from_u64(3));

@@ -21,9 +21,9 @@ impl<T: Scalar> EdgeCone<T> {
     ///
     /// Let t be the sum of the eigenvalues, m the sum of their pairwise products, and d their product. The eigenvalue
     /// farthest from the others is `t / 3 +- 2 p cos(acos(x) / 3)`, `p^2 = t^2 / 9 - m / 3`, where x in [0, 1] is the
-    /// absolute value of `((t / 3)^3 - t m / 6 + d / 2) / p^3` [Smith 1961]. The product of the other two is d divided
-    /// by it, and their sum is m minus this product, divided by it. In this form they keep their digits if they are
-    /// relatively small. If the isolated eigenvalue is the small one, it is d divided by the product of the others.
+    /// absolute value of `((t / 3)^3 - t m / 6 + d / 2) / p^3` [Smith 1961]. Let e be this eigenvalue. The product of
+    /// the other two is `d / e`, and their sum is `(m - d / e) / e`. In this form the other two keep their digits if
+    /// they are smaller than e. If e is smaller, it is d divided by the product of the other two.
     pub(super) fn new(alpha: [T; 2], wo: Triple<T>, n: Triple<T>) -> Self {
         let (half, third, two) = (T::of(0.5), T::of(1.0 / 3.0), T::of(2.0));
         let k = dot(wo, n);

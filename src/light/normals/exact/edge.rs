@@ -6,8 +6,8 @@ use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled};
 
 /// The contribution of the edge from `a` to `b` to the integral of `c x dc`, without the plane triangle's `a.c x b.c`.
 ///
-/// Lights are sums of these contributions. The plane part is summed separately, around an origin near the light,
-/// because it cancels to a small area for a small light.
+/// The integral around a light is the sum of these contributions. The plane part is summed separately, around an origin
+/// near the light, because it cancels to a small area for a small light.
 pub(super) fn curved_part<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>, b: &Corner<T>) -> Triple<T> {
     let apart = minus(b.w, a.w);
     if dot(apart, apart) < T::SAME2 {
@@ -24,8 +24,8 @@ pub(super) fn curved_part<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>
 /// `docs/normals.md` has the derivation.
 ///
 /// Along K's first eigenvector `psi` is the angle around the cone divided by its sine. The angle can exceed half a
-/// turn. It has the sense of the edge. If its cosine is negative, it is written as half a turn plus an angle that
-/// passes through zero there.
+/// turn. It has the direction of the edge. If its cosine is negative, it is written as half a turn plus an angle that
+/// is zero at exactly half a turn.
 fn exact<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>, b: &Corner<T>, apart: Triple<T>) -> Triple<T> {
     // Replaces a x b, whose rounding errors are as large as the errors of a and b.
     let n = cross(a.w, apart);
@@ -56,7 +56,8 @@ fn exact<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>, b: &Corner<T>, 
     let per_axis = per_axis2.sqrt();
     let beside = on_axis * per_axis;
     let acute = per_sine(cos_first.abs().min(T::ONE));
-    // A short edge never runs nearly all around the axis. An angle against its sense is a rounding error.
+    // A short edge never runs nearly all around the axis. An angle against the direction of the edge is a rounding
+    // error.
     let is_short = apart2 < T::of(1e3) * T::UNCERTAINTY * T::UNCERTAINTY;
     let is_far = apart2 > T::of(0.2) || !is_short && beside.abs() > T::of(0.01) * by_angle;
     let along_first = if cos_first < T::ZERO {
@@ -80,7 +81,8 @@ fn exact<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>, b: &Corner<T>, 
 /// `psi(x) = acos(x) / sqrt(1 - x^2)`, the angle divided by its sine, as a function of the cosine. For `x > 1` it
 /// continues as `ln(x + sqrt(x^2 - 1)) / sqrt(x^2 - 1)`. Domain: x >= 0.
 ///
-/// It is smooth at one. There it is a series in `1 - x`, with the factor `(n + 1) / (2 n + 3)` from term to term.
+/// `psi` is smooth at one. Near one, it is a series in `1 - x`, with the factor `(n + 1) / (2 n + 3)` from term to
+/// term.
 fn per_sine<T: Scalar>(x: T) -> T {
     let v = T::ONE - x;
     if v.abs() < T::of(0.02) {

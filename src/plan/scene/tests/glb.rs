@@ -120,7 +120,7 @@ pub(crate) fn checker(side: u32, level: impl Fn(u32, u32) -> u8) -> Vec<u8> {
     out
 }
 
-/// A unit square whose roughness is an image's.
+/// A unit square with roughness from an image.
 pub(crate) fn quad_scene(image: &[u8], end: [f32; 2], wrap: [u32; 2], extensions: &Value) -> Glb {
     let mut glb = Glb::default();
     let texture = glb.texture(image, wrap);

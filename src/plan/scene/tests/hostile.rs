@@ -87,7 +87,7 @@ fn numbers_that_are_not_finite_weigh_nothing() {
 fn a_small_file_cannot_ask_for_a_large_image() {
     let of_size = |width: u32, height: u32| {
         let mut image = checker(4, |_, _| 9);
-        // Width and height are after the signature and the head of the first chunk, whose checksum must fit.
+        // Width and height are after the signature and the head of the first chunk, whose checksum must match.
         image[16..20].copy_from_slice(&width.to_be_bytes());
         image[20..24].copy_from_slice(&height.to_be_bytes());
         let sum = crc(&image[12..29]).to_be_bytes();

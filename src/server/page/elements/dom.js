@@ -16,7 +16,7 @@ export function el( tag, attributes = {}, ...children ) {
 
 }
 
-/** Creates an SVG element, as `el` does for HTML. */
+/** Creates an SVG element. The arguments are the same as for `el`. */
 export function svg( tag, attributes = {}, ...children ) {
 
 	return filled( document.createElementNS( SVG, tag ), attributes, children );
@@ -45,14 +45,14 @@ export function fill( element, ...children ) {
 
 }
 
-/** A button that copies the text from `read`. Its label then confirms the copy. */
+/** A button that copies the text that `read` returns. Its label then confirms the copy. */
 export function copyButton( label, read ) {
 
 	const button = el( 'button', { type: 'button', class: 'quiet', onclick: async () => {
 
-		// Browsers have no clipboard without https. Users then copy the text themselves.
+		// Without https, browsers offer no clipboard, and users must copy the text themselves.
 		const isCopied = await navigator.clipboard?.writeText( read() ).then( () => true, () => false );
-		button.textContent = isCopied ? 'Copied' : 'Select the text, press Ctrl+C';
+		button.textContent = isCopied ? 'Copied' : 'Select the text and press Ctrl+C';
 		setTimeout( () => button.textContent = label, 1500 );
 
 	} }, label );
@@ -60,7 +60,7 @@ export function copyButton( label, read ) {
 
 }
 
-/** A text with its title and a button that copies it. `label` is for screen readers. */
+/** A text with a title, and a button that copies the text. `label` is for screen readers. */
 export function copyLine( title, label, text ) {
 
 	const code = el( 'code', { tabindex: 0, role: 'textbox', 'aria-readonly': 'true', 'aria-label': label }, text );

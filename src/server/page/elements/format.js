@@ -1,6 +1,6 @@
 // Formats numbers, times and sizes for people.
 
-/** Three significant digits. Very small and very large numbers have an exponent. */
+/** A number with three significant digits. Very small and very large numbers have an exponent. */
 export function number( value ) {
 
 	if ( value === null || value === undefined ) return '–';

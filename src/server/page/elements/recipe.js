@@ -1,8 +1,8 @@
-// Formats recipes for people, and links to the form.
+// Formats recipes for people, and makes links to the form.
 
 import { button, el, section } from './dom.js';
 
-/** Indented JSON. A list of numbers or strings takes one line. */
+/** Indented JSON. A list of numbers or strings is on one line. */
 export function json( value ) {
 
 	return JSON.stringify( value, null, 2 ).replace( /\[[^[\]{}]*\]/g, ( list ) => list.replace( /\s+/g, ' ' ) );
@@ -28,7 +28,7 @@ export function ownRecipe( { fitter, ...own } ) {
 
 }
 
-/** The address of the form with a recipe. */
+/** The address of the form filled with a recipe. */
 export const formOf = ( recipe ) => `#/new?${ new URLSearchParams( { recipe: JSON.stringify( recipe ) } ) }`;
 
 /** A link to the form that starts from a complete recipe. */

@@ -3,7 +3,7 @@
 import { el } from '../elements/dom.js';
 import { json } from '../elements/recipe.js';
 
-/** Maximum number of lines without scrolling. */
+/** Maximum number of visible lines. A longer text scrolls. */
 const MOST_LINES = 24;
 
 /** Parses a text as a JSON object. */
@@ -44,7 +44,7 @@ export function documentField( take, refuse ) {
 
 	}
 
-	/** Shows a recipe. A text that the user is editing does not change. */
+	/** Shows a recipe, unless the user is editing the text. */
 	function show( recipe ) {
 
 		if ( document.activeElement === field ) return;

@@ -12,11 +12,11 @@ const GROUPS = {
 	Fit: { fit: { metric: 'Metric', solver: 'Solver', samples: 'Samples', directions: 'Directions', steps: 'Steps', seed: 'Seed' } },
 };
 
-/** Recipes to start from, by use. */
+/** Recipes to start from, by their use. */
 export const STARTS = {
 	'metals and dielectrics, anisotropic': { preset: 'standard', fresnel: 'two_lobes' },
 	'brushed metal on phones': { preset: 'paper', precision: 'f16', range: { alpha: [ 0.05, 0.4 ], ratio: [ 0.2, 1 ] }, resolution: { alpha: 7, ratio: 5, theta: 8, phi: 6 } },
-	'isotropic surfaces, in the layout of engines': { preset: 'standard', layout: 'ltc2017' },
+	'isotropic surfaces, in the layout that engines use': { preset: 'standard', layout: 'ltc2017' },
 	'isotropic surfaces, one kilobyte': { preset: 'paper', precision: 'f16', range: { ratio: [ 1, 1 ], phi: [ 0, 0 ] }, resolution: { alpha: 9, ratio: 1, theta: 8, phi: 1 } },
 	'glTF sheen': { preset: 'paper', brdf: 'charlie_neubelt', range: { alpha: [ 0.0049, 1 ] }, resolution: { alpha: 24, theta: 32 }, precision: 'f16' },
 };
@@ -33,7 +33,7 @@ function kindOf( { enum: options, anyOf, type, items } ) {
 
 /**
  * The groups of fields, from the JSON Schema of recipes. Each field has a pointer, a label, a schema and a kind. The list of
- * roughnesses needs layout `materials`. It determines the fields in `decided`, so a change of the list removes them.
+ * roughnesses needs layout `materials`. It determines the values of the fields in `decided`, so changing the list removes them.
  */
 export function groupsOf( schema ) {
 
@@ -60,7 +60,7 @@ export function set( document, pointer, value ) {
 
 	const keys = pointer.slice( 1 ).split( '/' );
 	const last = keys.pop();
-	// A pasted document may have a value of any type there.
+	// In a pasted document, these members may have any type.
 	const inner = keys.reduce( ( at, key ) => at[ key ] = Object( at[ key ] ) === at[ key ] ? at[ key ] : {}, document );
 	if ( value === undefined ) delete inner[ last ];
 	else inner[ last ] = value;

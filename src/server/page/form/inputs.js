@@ -3,12 +3,12 @@
 import { el } from '../elements/dom.js';
 import { number } from '../elements/format.js';
 
-/** Positions of a slider. The last position is exactly the maximum. */
+/** Number of steps of a slider. The last position is exactly the maximum. */
 const STEPS = 200;
 
 /** Parses a number. JSON writes NaN as null, which the service rejects. */
 const numberOf = ( text ) => text.trim() === '' ? NaN : Number( text );
-/** Whether the user is editing an input. Its text must not change then. */
+/** Whether the user is editing an input. The page must not change its text then. */
 const isEdited = ( input ) => document.activeElement === input;
 
 function choice( { schema: { enum: options } }, id, changed ) {
@@ -58,7 +58,7 @@ function interval( { label, schema: { items: { maximum } } }, id, changed ) {
 
 }
 
-/** A text input for a list with commas. `parse` reads an item, and `write` writes one. */
+/** A text input for a comma-separated list. `parse` parses an item, and `write` formats an item. */
 function list( attributes, parse, write, changed ) {
 
 	const input = el( 'input', { type: 'text', ...attributes, oninput: () => changed() } );
@@ -73,7 +73,7 @@ function list( attributes, parse, write, changed ) {
 
 }
 
-/** The input of materials: a name, or a list of F0 with weights other than 1, such as `1, 0.04 × 4`. */
+/** The input for materials: a name, or a list of F0 with weights other than 1, such as `1, 0.04 × 4`. */
 function materials( { schema: { anyOf: [ { enum: names } ] } }, id, changed ) {
 
 	const parse = ( text ) => {
@@ -84,7 +84,7 @@ function materials( { schema: { anyOf: [ { enum: names } ] } }, id, changed ) {
 	};
 
 	const pass = () => changed( input.hidden ? names[ main.selectedIndex ] : read() );
-	const { input, read, show: showList } = list( { hidden: true, 'aria-label': 'F0 of the materials, with commas; a weight follows ×', placeholder: '1, 0.04 × 4' }, parse, ( { f0, weight = 1 } ) => weight === 1 ? f0 : `${ f0 } × ${ weight }`, pass );
+	const { input, read, show: showList } = list( { hidden: true, 'aria-label': 'F0 of the materials, separated by commas; add × and a weight if needed', placeholder: '1, 0.04 × 4' }, parse, ( { f0, weight = 1 } ) => weight === 1 ? f0 : `${ f0 } × ${ weight }`, pass );
 	const main = el( 'select', { id, onchange: () => {
 
 		input.hidden = main.selectedIndex < names.length;
@@ -105,7 +105,7 @@ function materials( { schema: { anyOf: [ { enum: names } ] } }, id, changed ) {
 
 }
 
-/** The input of roughnesses: alpha `0.3`, alpha and ratio `0.3 × 0.5`, or alpha along and across `0.4 / 0.1`. */
+/** The input for roughnesses: alpha `0.3`, alpha and ratio `0.3 × 0.5`, or alpha along and across `0.4 / 0.1`. */
 function roughnesses( field, id, changed ) {
 
 	const parse = ( text ) => {
@@ -117,8 +117,8 @@ function roughnesses( field, id, changed ) {
 	};
 
 	const write = ( { alpha, ratio = 1, alpha_x, alpha_y } ) => alpha_x !== undefined ? `${ alpha_x } / ${ alpha_y }` : ratio === 1 ? alpha : `${ alpha } × ${ ratio }`;
-	// An empty text removes the list, which other layouts do not allow.
-	const { input, read, show } = list( { id, placeholder: '0.4 / 0.1, 0.3 × 0.5, 0.09', title: 'A list with commas. Each item: alpha, alpha × ratio, or alpha along / alpha across' }, parse, write, () => changed( input.value.trim() === '' ? undefined : read() ) );
+	// An empty text removes the list, because only one layout allows a list.
+	const { input, read, show } = list( { id, placeholder: '0.4 / 0.1, 0.3 × 0.5, 0.09', title: 'A comma-separated list. Each item is alpha, alpha × ratio, or alpha along / alpha across' }, parse, write, () => changed( input.value.trim() === '' ? undefined : read() ) );
 	return { parts: [ input ], main: input, show };
 
 }
@@ -126,8 +126,8 @@ function roughnesses( field, id, changed ) {
 const KINDS = { choice, whole, interval, materials, roughnesses };
 
 /**
- * A field with its label and its errors. `changed` gets the value that the user enters. `show` sets the value, and `showFaults`
- * the errors.
+ * A field with its label and its errors. `changed` is called with each value that the user enters. `show` sets the value, and
+ * `showFaults` sets the errors.
  */
 export function input( field, changed ) {
 

@@ -1,4 +1,4 @@
-// Recipes for a scene. The service plans tables for a glTF file or a list of materials.
+// Gets recipes for a scene. The service plans tables for a glTF file or a list of materials.
 
 import { el, fileField, fill, muted, notice, takeDrops } from '../elements/dom.js';
 import { bytes, percent, span } from '../elements/format.js';
@@ -8,7 +8,7 @@ import { call } from '../service/api.js';
 /** Budgets of a plan: query parameter, label and initial limit. */
 const BUDGETS = { '': [ 'no limit', '' ], bytes: [ 'limit bytes', 20_000 ], error: [ 'limit error', 0.05 ], seconds: [ 'limit seconds', 1 ] };
 
-/** A file field for a scene. `take` gets the first recipe of the plan, and each recipe that the user selects. */
+/** A file field for a scene. `take` is called with the first recipe of the plan, and with each recipe that the user selects. */
 export function planner( signal, take ) {
 
 	let scene = null;
@@ -42,7 +42,7 @@ export function planner( signal, take ) {
 			const { summary, plan } = await call( `/v1/plans${ query }`, { method: 'POST', raw: scene, type, signal } );
 			if ( turn !== asked ) return;
 			const offers = plan.tables.map( ( { recipe, predicted } ) => el( 'button', { type: 'button', class: 'quiet', onclick: () => take( ownRecipe( recipe ) ) }, `${ recipe.brdf }: ${ bytes( predicted.bytes ) }, ${ percent( predicted.error ) }, ${ span( predicted.seconds ) }` ) );
-			fill( output, el( 'p', {}, name ), [ ...summary, ...plan.scene.notes ].map( ( line ) => muted( line ) ), el( 'p', { class: 'actions' }, offers ) );
+			fill( output, el( 'p', {}, name ), summary.map( ( line ) => muted( line ) ), el( 'p', { class: 'actions' }, offers ) );
 			if ( plan.tables.length ) take( ownRecipe( plan.tables[ 0 ].recipe ) );
 
 		} catch ( error ) {

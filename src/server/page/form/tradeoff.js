@@ -1,11 +1,11 @@
-// A chart of error against size: the recipe and the tables of the service.
+// A chart of error against size. It shows the recipe and the tables of the service.
 
 import { svg } from '../elements/dom.js';
 import { bytes, percent } from '../elements/format.js';
 import { call, each, manifest } from '../service/api.js';
 
 const [ WIDTH, HEIGHT, LEFT, TOP, BOTTOM ] = [ 240, 164, 24, 8, 32 ];
-/** Marks on the axes, which are logarithmic. A point outside of the marks is drawn at the edge. */
+/** Marks on the logarithmic axes. A point outside of the marks is drawn at the edge. */
 const ERRORS = [ 0.02, 0.05, 0.1, 0.2, 0.5 ];
 const BYTES = [ 1e2, 1e3, 1e4, 1e5, 1e6, 1e7 ];
 /** Maximum number of tables in the chart. */
@@ -36,13 +36,13 @@ export function tradeoff( signal ) {
 
 			const { recipe, report } = await manifest( digest );
 			const point = { error: report.between.width.mean, bytes };
-			others.append( svg( 'circle', { class: 'measured', cx: x( bytes ), cy: y( point.error ), r: 2.5 }, svg( 'title', {}, `a table of ${ recipe.brdf }, ${ recipe.layout }: ${ words( point ) }` ) ) );
+			others.append( svg( 'circle', { class: 'measured', cx: x( bytes ), cy: y( point.error ), r: 2.5 }, svg( 'title', {}, `table for ${ recipe.brdf }, layout ${ recipe.layout }: ${ words( point ) }` ) ) );
 
 		} );
 
 	}
 
-	// The forecast shows the error of the service. The chart stays empty.
+	// After an error the chart stays empty. The forecast shows the error.
 	load().catch( () => {} );
 
 	function show( expected ) {

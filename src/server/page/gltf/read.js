@@ -1,6 +1,6 @@
-// Reads triangles and materials of a glTF 2.0 file. Other files that it refers to are not read.
+// Reads the triangles and materials of a glTF 2.0 file. Files that the glTF file refers to are not read.
 //
-// Invariant: time and memory are bounded. A broken or too large file gives an error that lists the faults.
+// Invariant: time and memory are bounded. A malformed or too large file causes an error that lists the faults.
 
 import { textureReader } from './textures.js';
 
@@ -9,7 +9,7 @@ const [ MOST_BYTES, MOST_TRIANGLES, MOST_NODES, MOST_DEPTH ] = [ 2 ** 26, 2 ** 1
 
 const COMPONENTS = { 5120: Int8Array, 5121: Uint8Array, 5122: Int16Array, 5123: Uint16Array, 5125: Uint32Array, 5126: Float32Array };
 const WIDTHS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT4: 16 };
-/** Required extensions that this module reads or can ignore. */
+/** Extensions that a file may require, because this module reads them or can ignore them. */
 const KNOWN = /^KHR_(materials_.*|texture_.*|mesh_quantization|lights_punctual)$/;
 
 const list = ( value ) => Array.isArray( value ) ? value : [];
@@ -55,7 +55,7 @@ function parsed( bytes ) {
 
 	if ( ! /^2\./.test( document?.asset?.version ) ) throw new Error( `asset.version is ${ JSON.stringify( document?.asset?.version ) }; only 2.x is supported` );
 	const needed = list( document.extensionsRequired ).filter( ( name ) => ! KNOWN.test( name ) );
-	if ( needed.length ) throw new Error( `the file requires ${ needed.join( ', ' ) }, which the viewer does not support; export it without` );
+	if ( needed.length ) throw new Error( `the file requires ${ needed.join( ', ' ) }, which the viewer does not support; export the scene without them` );
 	return document;
 
 }
@@ -79,7 +79,7 @@ function bufferOf( document, index, binary ) {
 
 }
 
-/** Returns a function that decodes buffers, each once. */
+/** Returns a function that decodes buffers. Each buffer is decoded once. */
 function bufferReader( document, binary ) {
 
 	const known = new Map();
@@ -182,7 +182,7 @@ function instances( document ) {
 
 }
 
-/** The indices of triangles, three each, from the indices of a mode; null for points and lines. */
+/** Converts the indices of a primitive to the indices of triangles, three per triangle. Returns null for points and lines. */
 function triangles( mode, indices ) {
 
 	if ( mode === 4 ) return indices.subarray( 0, indices.length - indices.length % 3 );
@@ -198,7 +198,7 @@ function triangles( mode, indices ) {
 
 }
 
-/** Appends the triangles of a primitive in world space: position, normal, and tangent with its sign, ten numbers per corner; and texture coordinates if it has textures. Returns a note or ''. */
+/** Appends the triangles of a primitive in world space: position, normal, and tangent with its sign, ten numbers per corner. If the material has textures, also appends texture coordinates. Returns a note or ''. */
 function append( { numbers, uv, textures }, budget, primitive, world, read, path ) {
 
 	const { attributes = {} } = primitive;
@@ -215,7 +215,7 @@ function append( { numbers, uv, textures }, budget, primitive, world, read, path
 	const most = corners.reduce( ( most, index ) => Math.max( most, index ), 0 );
 	if ( most >= count || normals && normals.length !== positions.length || tangents && 3 * tangents.length !== 4 * positions.length ) throw new Error( `${ path }: index ${ most } is too large or the counts differ: ${ count } positions, ${ normals ? normals.length / 3 : 'no' } normals, ${ tangents ? tangents.length / 4 : 'no' } tangents` );
 	budget.triangles += corners.length / 3;
-	if ( budget.triangles > MOST_TRIANGLES ) throw new Error( `${ path }: the scene has ${ budget.triangles } triangles up to here; the limit is ${ MOST_TRIANGLES }` );
+	if ( budget.triangles > MOST_TRIANGLES ) throw new Error( `${ path }: the scene has ${ budget.triangles } triangles so far; the limit is ${ MOST_TRIANGLES }` );
 	const m = world;
 	const turned = ( [ x, y, z ], w = 0 ) => [ 0, 1, 2 ].map( ( r ) => m[ r ] * x + m[ 4 + r ] * y + m[ 8 + r ] * z + m[ 12 + r ] * w );
 	const column = ( c ) => m.slice( 4 * c, 4 * c + 3 );
@@ -239,7 +239,7 @@ function append( { numbers, uv, textures }, budget, primitive, world, read, path
 
 	}
 
-	return tangents ? '' : 'the file has no tangents: anisotropy runs around the vertical axis';
+	return tangents ? '' : 'the file has no tangents, so anisotropy runs around the vertical axis';
 
 }
 
@@ -256,13 +256,13 @@ function fitted( meshes ) {
 	const middle = bounds.map( ( [ least, most ] ) => ( least + most ) / 2 );
 	let radius = 0;
 	for ( const { numbers } of meshes ) for ( let i = 0; i < numbers.length; i += 10 ) radius = Math.max( radius, Math.hypot( ...middle.map( ( x, r ) => numbers[ i + r ] - x ) ) );
-	if ( ! ( radius > 0 && Number.isFinite( radius ) ) ) throw new Error( 'all triangles are in one point, or not finite' );
+	if ( ! ( radius > 0 && Number.isFinite( radius ) ) ) throw new Error( 'all triangles are at one point, or their positions are not finite' );
 	for ( const { numbers } of meshes ) for ( let i = 0; i < numbers.length; i += 10 ) for ( let r = 0; r < 3; r ++ ) numbers[ i + r ] = ( numbers[ i + r ] - middle[ r ] ) / radius;
 	return meshes.map( ( mesh ) => ( { ...mesh, numbers: new Float32Array( mesh.numbers ), uv: mesh.textures && new Float32Array( mesh.uv ) } ) );
 
 }
 
-/** Reads a file: one mesh per material, scaled into the unit sphere, and notes about parts that are not shown. */
+/** Reads a file. Returns one mesh per material, scaled into the unit sphere, and notes about parts that are not shown. */
 export async function readGltf( buffer ) {
 
 	try {
@@ -271,7 +271,7 @@ export async function readGltf( buffer ) {
 
 	} catch ( error ) {
 
-		// A member has a type that glTF does not allow.
+		// A type error means that a member has a type that glTF does not allow.
 		throw error instanceof TypeError ? new Error( `the glTF is malformed: ${ error.message }` ) : error;
 
 	}

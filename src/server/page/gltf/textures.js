@@ -1,5 +1,5 @@
 // Textures of glTF materials: PNG and JPEG images inside the file. The size in the header is checked before an image is
-// decoded. A note has the reason for each texture that is not shown. The factors of the material apply then.
+// decoded. If a texture is not shown, a note says why, and only the material's factors are used.
 
 /** Limits: pixels per side of an image, and pixels of all images. */
 const [ MOST_SIDE, MOST_PIXELS ] = [ 4096, 2 ** 25 ];
@@ -51,7 +51,7 @@ function bytesOf( { bufferView, uri }, index, document, bufferOf ) {
 
 }
 
-/** Returns a function that reads the textures of a material. Images are decoded once per way of use. Reasons for missing textures go to `notes`. */
+/** Returns a function that reads the textures of a material. An image is decoded once for each use. If a texture is not shown, the reason is added to `notes`. */
 export function textureReader( document, bufferOf, notes ) {
 
 	const known = new Map();
@@ -92,7 +92,7 @@ export function textureReader( document, bufferOf, notes ) {
 
 	}
 
-	/** The textures of a material by their names in shaders, or null if none of them can be shown. `isBent` says whether there is a normal texture. */
+	/** The textures of a material by their names in shaders, or null if none of them can be shown. `isBent` is true if there is a normal texture. */
 	return async ( material, hasPlaces ) => {
 
 		const found = {};
@@ -114,7 +114,7 @@ export function textureReader( document, bufferOf, notes ) {
 		}
 
 		const others = JSON.stringify( material, ( key, value ) => SHOWN.some( ( [ , member ] ) => member === key ) ? undefined : value );
-		if ( /"index":/.test( others ) ) notes.add( 'only textures of base colour, metallic-roughness and normals are shown; the factors replace other textures' );
+		if ( /"index":/.test( others ) ) notes.add( 'only base colour, metallic-roughness and normal textures are shown; factors replace all other textures' );
 		return { textures: Object.keys( found ).length ? { ...NO_IMAGES, ...found } : null, isBent: Boolean( found.normal_texture ) };
 
 	};

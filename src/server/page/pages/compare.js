@@ -1,4 +1,4 @@
-// Compares up to three tables: figures with the best value of each row, pictures and plots.
+// Compares up to three tables: figures with the best value of each row marked, pictures and plots.
 
 import { bar, el, fill } from '../elements/dom.js';
 import { bytes, number, percent, short, whole } from '../elements/format.js';
@@ -22,7 +22,7 @@ const FIGURES = [
 	[ 'Entries', ( table ) => table.entries, whole ],
 ];
 
-/** A row of figures with the best one marked. */
+/** A row of figures. The best value is marked. */
 function figures( name, values, write ) {
 
 	const given = values.filter( ( value ) => value !== undefined );
@@ -55,7 +55,7 @@ export async function show( root, rest, parameters, signal ) {
 	fill( root, bar( 'Compare', el( 'span', { class: 'muted' }, 'the best value of each row is marked' ), added ) );
 	if ( ! known.length ) {
 
-		root.append( el( 'p', { class: 'empty' }, 'No table is stored yet. ', el( 'a', { href: '#/new' }, 'Submit a recipe' ), ' to make one.' ) );
+		root.append( el( 'p', { class: 'empty' }, 'No table is stored yet. ', el( 'a', { href: '#/new' }, 'Submit a recipe' ), ' to fit a table.' ) );
 		return null;
 
 	}

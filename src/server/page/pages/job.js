@@ -8,7 +8,7 @@ import { follow, isActive } from '../service/jobs.js';
 
 const MARKS = { queued: '○', running: '◐', done: '●', failed: '✕', cancelled: '–' };
 
-/** The state of a job as a mark and a word, readable without colours. */
+/** The state of a job as a symbol and a word, so that it can be read without colours. */
 export function badge( state ) {
 
 	return el( 'span', { class: `state ${ state }` }, el( 'span', { 'aria-hidden': 'true' }, MARKS[ state ] ), ` ${ state }` );
@@ -62,7 +62,7 @@ export async function show( root, id, parameters, signal ) {
 			[ 'Attempts', job.attempts ],
 			[ 'Submitted', new Date( job.created_at ).toLocaleString() ],
 		] ) );
-		// While the state does not change, the buttons stay and keep the focus.
+		// If the state has not changed, the buttons are not replaced, so that they keep the focus.
 		if ( job.state === shown ) return;
 		shown = job.state;
 		fill( state, badge( shown ), job.error ? el( 'p', { class: 'notice' }, job.error.title, ': ', job.error.detail ) : null );
@@ -91,7 +91,7 @@ export async function show( root, id, parameters, signal ) {
 	const job = await ask();
 	fill( root, el( 'h1', {}, title( job.recipe ) ), fault, state, figures, actions, recipeSection( job.recipe ) );
 	watch( job );
-	// `follow` opens the stream again. This call shows the changes in between.
+	// `follow` opens the stream again. This call shows the changes since the stream was lost.
 	return () => ask().then( update, failed );
 
 }

@@ -7,9 +7,9 @@ import { call } from '../service/api.js';
 import { isActive } from '../service/jobs.js';
 import { badge, bar, cancelButton } from './job.js';
 
-/** Milliseconds between two requests of the list: with active jobs, and without. */
+/** Milliseconds between two requests for the list: with active jobs, and without. */
 const [ BUSY, IDLE ] = [ 1500, 10_000 ];
-/** Jobs per page of the list, and the maximum number in a refresh. */
+/** Number of jobs per page of the list, and the maximum number in a refresh. */
 const [ PAGE, MOST ] = [ 50, 1000 ];
 
 /** The progress or the result of a job. */
@@ -30,7 +30,7 @@ export async function show( root, rest, parameters, signal ) {
 	const fault = el( 'div' );
 	const more = el( 'button', { type: 'button', hidden: true, onclick: () => read( next ).catch( failed ) }, 'Older jobs' );
 	const list = el( 'table', { class: 'list jobs' }, el( 'caption', { class: 'hidden' }, 'Jobs' ), el( 'thead', {}, headings( 'State', 'Recipe', 'Progress', 'Age' ) ), body );
-	const empty = el( 'p', { class: 'empty', hidden: true }, 'There are no jobs yet. ', el( 'a', { href: '#/new' }, 'Submit a recipe' ), ' to start one.' );
+	const empty = el( 'p', { class: 'empty', hidden: true }, 'There are no jobs yet. ', el( 'a', { href: '#/new' }, 'Submit a recipe' ), ' to start a job.' );
 	fill( root, titled( 'Jobs', count, button( '#/new', 'New' ) ), fault, list, empty, more );
 
 	const failed = ( error ) => signal.aborted || fill( fault, notice( error.message ) );
@@ -39,7 +39,7 @@ export async function show( root, rest, parameters, signal ) {
 
 		const { row = el( 'tr' ), text } = rows.get( job.id ) || {};
 		rows.set( job.id, { job, row, text: JSON.stringify( job ) } );
-		// An unchanged row stays, so that a pressed button is not replaced.
+		// An unchanged row is kept, so that a button is not replaced while it is pressed.
 		if ( text === JSON.stringify( job ) ) return;
 		const focusedTag = row.contains( document.activeElement ) && document.activeElement.tagName;
 		fill( row,

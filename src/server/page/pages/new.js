@@ -1,7 +1,7 @@
-// The form of a recipe, with its forecast.
+// The form for a recipe, with its forecast.
 //
-// The document is a preset with changes. The service fills in the other fields and finds the errors, so the form needs no
-// defaults.
+// The document is a preset with changes. The service fills in the other fields and finds the errors, so the form does
+// not need to know the defaults.
 
 import { copyButton, el, facts, fill, muted, notice } from '../elements/dom.js';
 import { bytes, percent, short, span, whole } from '../elements/format.js';
@@ -28,7 +28,7 @@ function curlOf( recipe ) {
 
 }
 
-/** The recipe in the address, or the default. */
+/** The recipe in the address, or the default recipe. */
 function initial( parameters ) {
 
 	try {
@@ -37,7 +37,7 @@ function initial( parameters ) {
 
 	} catch {
 
-		// An incomplete link shows the default.
+		// If the link has no valid recipe, the form shows the default recipe.
 		return { preset: 'standard' };
 
 	}
@@ -50,11 +50,11 @@ export async function show( root, rest, parameters, signal ) {
 	let recipe = initial( parameters );
 	let timer = 0;
 	let asked = 0;
-	/** The last complete recipe. While the document has errors, missing values come from here. */
+	/** The last complete recipe. While the document has errors, missing values are taken from it. */
 	let filled = null;
 	const groups = groupsOf( schema ).map( ( { name, fields } ) => ( { name, inputs: fields.map( ( field ) => input( field, ( value ) => change( field, value ) ) ) } ) );
 	const inputs = groups.flatMap( ( { inputs } ) => inputs );
-	// Fields of one layout stay hidden until the service has returned the layout.
+	// Fields for one layout stay hidden until the service has returned the recipe's layout.
 	for ( const { field, row } of inputs ) row.hidden = Boolean( field.layout );
 	const presets = schema.properties.preset.enum.map( ( value ) => el( 'label', {}, el( 'input', { type: 'radio', name: 'preset', value, onchange: () => change( { pointer: '/preset' }, value ) } ), value ) );
 	const expected = el( 'div', { 'aria-live': 'polite' } );
@@ -78,7 +78,7 @@ export async function show( root, rest, parameters, signal ) {
 				answer, el( 'p', { class: 'actions' }, submit, reset ) ),
 			el( 'aside', { 'aria-label': 'Forecast' },
 				el( 'h2', {}, 'Forecast' ), expected, others, chart.root,
-				copied( 'Recipe', entered.text ), muted( 'Edit the recipe, or paste another one. It can have fields that the form does not show.' ), entered.root,
+				copied( 'Recipe', entered.text ), muted( 'Edit the recipe, or paste another recipe. It can contain fields that the form does not show.' ), entered.root,
 				copied( 'Submit with curl', () => curl.textContent ), curl ) ) );
 
 	function change( { pointer, decided = [] }, value ) {
@@ -102,7 +102,7 @@ export async function show( root, rest, parameters, signal ) {
 		entered.show( recipe );
 		for ( const radio of root.querySelectorAll( '[name=preset]' ) ) radio.checked = radio.value === ( recipe.preset ?? ( recipe.fit ? '' : 'standard' ) );
 		fill( curl, curlOf( recipe ) );
-		// The address has the recipe, so reloading the page keeps it.
+		// The address contains the recipe, so reloading the page keeps it.
 		history.replaceState( null, '', formOf( recipe ) );
 		clearTimeout( timer );
 		timer = setTimeout( requestForecast, PAUSE );
@@ -118,7 +118,7 @@ export async function show( root, rest, parameters, signal ) {
 			const response = await ask( recipe );
 			if ( turn !== asked ) return;
 			showForecast( response );
-			// A link can have a recipe with errors. Its missing values then come from the preset.
+			// The recipe in a link can have errors. Missing values then come from the preset.
 			if ( ! response.recipe && ! filled ) fillIn( ( await ask( { preset: recipe.preset || 'standard' } ) ).recipe );
 
 		} catch ( error ) {
@@ -129,7 +129,7 @@ export async function show( root, rest, parameters, signal ) {
 
 	}
 
-	/** Shows the values of the document. Missing values come from a complete recipe. */
+	/** Shows the values of the document. Missing values come from the complete recipe. */
 	function fillIn( complete ) {
 
 		filled = complete;
@@ -137,7 +137,7 @@ export async function show( root, rest, parameters, signal ) {
 
 	}
 
-	/** Shows the complete recipe, its forecast, and each error at its field. */
+	/** Shows the complete recipe, its forecast, and each error next to its field. */
 	function showForecast( { recipe: complete, entries, expected: forecast, table, recipe_digest, problem } ) {
 
 		const faults = new Set( problem?.errors );
@@ -145,7 +145,7 @@ export async function show( root, rest, parameters, signal ) {
 
 			const own = [ ...faults ].filter( ( fault ) => `${ fault.pointer }/`.startsWith( `${ pointer }/` ) );
 			own.forEach( ( fault ) => faults.delete( fault ) );
-			// An error inside a list also names the item and its member.
+			// For an error inside a list, the message also names the item and its member.
 			showFaults( own.map( ( fault ) => fault.pointer === pointer ? fault.detail : `${ fault.pointer.slice( 1 ) }: ${ fault.detail }` ) );
 			row.hidden = Boolean( layout ) && ! own.length && ( complete || recipe ).layout !== layout;
 

@@ -19,7 +19,7 @@ export async function show( root, digest, parameters, signal ) {
 		el( 'div', { class: 'halves' },
 			section( 'identity', 'Identity',
 				copyLine( 'Digest', 'Digest', digest ),
-				copyLine( 'Lock it in a project', 'Lock line', `ltcforge lock NAME ${ digest } --from ${ address( '/' ).replace( /\/$/, '' ) }` ),
+				copyLine( 'Lock this table in a project', 'Lock command', `ltcforge lock NAME ${ digest } --from ${ address( '/' ).replace( /\/$/, '' ) }` ),
 				facts( [
 					[ 'Size', bytes( about.bytes ) ], [ 'Entries', whole( about.entries ) ],
 					[ 'Recipe', el( 'code', {}, short( recipe_digest ) ) ], [ 'Fitter', recipe.fitter ],

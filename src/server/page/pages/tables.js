@@ -6,18 +6,18 @@ import { title } from '../elements/recipe.js';
 import { call, each, manifest } from '../service/api.js';
 import { load, previewOf } from '../service/pictures.js';
 
-/** Tables per page of the list. */
+/** Number of tables per page of the list. */
 const PAGE = 200;
-/** Manifests that are requested at the same time. The service hashes a table for each. */
+/** Number of manifests that are requested at the same time. The service hashes a table for each manifest. */
 const AT_ONCE = 4;
-/** Pixels per side of a picture, enough for screens of double density. */
+/** Pixels per side of a picture, enough for screens with double pixel density. */
 const PICTURE = 96;
 
-/** The columns: name, value to sort by, and meaning. */
+/** The columns: name, value to sort by, and tooltip. */
 const COLUMNS = [
 	[ 'Table', ( row ) => row.title ],
-	[ 'Error', ( row ) => row.error, 'Mean error between nodes, as a part of the lobe’s width' ],
-	[ 'Light', ( row ) => row.light, 'Mean error of the reflected light of square lights, as a part of the lobe’s energy' ],
+	[ 'Error', ( row ) => row.error, 'Mean error between nodes, as a fraction of the lobe’s width' ],
+	[ 'Light', ( row ) => row.light, 'Mean error of the reflected light of square lights, as a fraction of the lobe’s energy' ],
 	[ 'Size', ( row ) => row.bytes ],
 	[ 'Age', ( row ) => - Date.parse( row.created_at ) ],
 ];
@@ -40,7 +40,7 @@ export async function show( root, rest, parameters, signal ) {
 	const headings = COLUMNS.map( ( [ name, , title ], column ) => el( 'th', { scope: 'col', class: column ? 'number' : null }, el( 'button', { type: 'button', class: 'sort', title, onclick: () => sort( column ) }, name ) ) );
 	const outer = [ [ 'picture', 'Picture' ], [ 'choose', 'Compare' ] ].map( ( [ name, text ] ) => el( 'th', { scope: 'col', class: name }, hidden( text ) ) );
 	const list = el( 'table', { class: 'list' }, hidden( 'Tables', 'caption' ), el( 'thead', {}, el( 'tr', {}, outer[ 0 ], headings, outer[ 1 ] ) ), body );
-	const empty = el( 'p', { class: 'empty', hidden: true }, 'No table is stored yet. ', el( 'a', { href: '#/new' }, 'Submit a recipe' ), ' to make one.' );
+	const empty = el( 'p', { class: 'empty', hidden: true }, 'No table is stored yet. ', el( 'a', { href: '#/new' }, 'Submit a recipe' ), ' to fit a table.' );
 	fill( root, bar( 'Tables', count, el( 'label', { for: 'search', class: 'hidden' }, 'Search' ), search, compare ), list, empty, more );
 
 	function sort( column ) {
@@ -63,7 +63,7 @@ export async function show( root, rest, parameters, signal ) {
 			cell( 'Size', bytes( item.bytes ) ),
 			cell( 'Age', el( 'time', { datetime: item.created_at, title: new Date( item.created_at ).toLocaleString() }, age( item.created_at ) ) ),
 			el( 'td', { class: 'choose' }, choose ) );
-		// A table without its manifest is sorted after all others.
+		// Until its manifest is loaded, a table is sorted after all others.
 		rows.set( item.digest, { ...item, row, link, picture, cells: [ error, light ], title: '', error: Infinity, light: Infinity } );
 
 	}

@@ -1,4 +1,4 @@
-// The viewer: compares tables, model normals and the shading of engines with the reference or each other, on the user's GPU.
+// The viewer: compares tables, the normals model and the shading of engines with the reference or with each other, on the user's GPU.
 
 import { bar, copyButton, el, facts, fileField, fill, muted, notice, svg, takeDrops } from '../elements/dom.js';
 import { short, whole } from '../elements/format.js';
@@ -10,9 +10,9 @@ import { camera, CHOICES, isPictured, link, METALS, moved, outline, PARAMETERS, 
 import { shaderBall } from '../viewer/shader_ball.js';
 import { device } from '../webgl/device.js';
 
-/** Pixels per side. */
+/** Pixels per side of the picture. */
 const SIZE = 512;
-/** Samples per frame, and samples of a finished reference. */
+/** Number of samples per frame, and of a finished reference. */
 const [ PER_FRAME, MOST ] = [ 8, 1024 ];
 /** The difference in radiance at the end of the colour scale. */
 const DIFFERENCE = 0.2;
@@ -61,9 +61,9 @@ export async function show( root, rest, parameters, signal ) {
 
 	/** The meshes of an opened glTF file. Links do not contain them. */
 	let mesh = null;
-	/** The WebGL device; null without WebGL 2. */
+	/** The WebGL device, or null if WebGL 2 is missing. */
 	let gpu = null;
-	/** The models of both sides, with null for the reference, and the shader text that prefilters pictures on lights. */
+	/** The models of both sides, where null means the reference, and the shader text that prefilters pictures on lights. */
 	let lit = null;
 	let prefilter = null;
 	let asked = 0;
@@ -91,7 +91,7 @@ export async function show( root, rest, parameters, signal ) {
 
 	} );
 
-	/** Loads the models that the scene names. */
+	/** Loads the models that are selected in the scene. */
 	async function choose() {
 
 		const turn = ++ asked;
@@ -136,7 +136,7 @@ export async function show( root, rest, parameters, signal ) {
 
 	takeDrops( canvas.parentElement, open );
 
-	/** Draws the scene again from its first sample. */
+	/** Draws the scene again, starting with the first sample. */
 	function restart() {
 
 		samples = 0;
@@ -161,7 +161,7 @@ export async function show( root, rest, parameters, signal ) {
 
 		for ( const control of [ split, ...sliders ] ) control.show( scene );
 		lights.show();
-		// The materials of a glTF file replace this one.
+		// A glTF file has its own materials.
 		ofSurface.hidden = scene.surface === 'mesh';
 
 	}
@@ -243,7 +243,7 @@ export async function show( root, rest, parameters, signal ) {
 
 	}
 
-	/** Draws the outlines of the lights over the picture. Users drag them. */
+	/** Draws the outlines of the lights over the picture. Users can drag the outlines. */
 	function outlineLights() {
 
 		const from = camera( scene );

@@ -5,7 +5,7 @@ import { bytes, short } from '../elements/format.js';
 import { address, call, reach } from '../service/api.js';
 import { hasToken } from '../service/token.js';
 
-/** Handles a click on a download link. Browsers send no token with links, so with a token the page downloads the file itself. */
+/** Handles a click on a download link. Browsers send no token with links, so if there is a token, the page downloads the file itself. */
 export async function save( event ) {
 
 	if ( ! hasToken() ) return;
@@ -16,12 +16,12 @@ export async function save( event ) {
 	const [ , given ] = /filename="([^"]+)"/.exec( response.headers.get( 'content-disposition' ) ) || [];
 	const saved = el( 'a', { href: URL.createObjectURL( await response.blob() ), download: given || link.pathname.split( '/' ).pop() } );
 	saved.click();
-	// The browser has read the file by then.
+	// By then the browser has read the file.
 	setTimeout( () => URL.revokeObjectURL( saved.href ), 60_000 );
 
 }
 
-/** The files of one export. Opening the element requests them, and the service then makes them. */
+/** The files of one export. When the element is opened, the page requests the files, and the service makes them. */
 function files( digest, name, signal ) {
 
 	const inside = el( 'div', {}, muted( 'Making the files…' ) );

@@ -1,4 +1,4 @@
-// Two error maps of a table over view angle and roughness. The page prints the errors of the selected cell.
+// Two error maps of a table over view angle and roughness. The page shows the errors of the selected cell as text.
 
 import { el, fill, notice, svg } from '../elements/dom.js';
 import { degrees, number, percent } from '../elements/format.js';
@@ -6,15 +6,15 @@ import { call } from '../service/api.js';
 
 /** Errors at both ends of the logarithmic colour scale. */
 const ENDS = [ 1e-3, 1 ];
-const MAPS = { width: 'Lobe error, % of its width', light: 'Light error, % of the lobe’s energy' };
-/** Columns and rows by which an arrow key moves the selection. Rows go up with alpha. */
+const MAPS = { width: 'Lobe error, % of the lobe’s width', light: 'Light error, % of the lobe’s energy' };
+/** Columns and rows by which an arrow key moves the selection. Alpha increases upwards. */
 const KEYS = { ArrowLeft: [ - 1, 0 ], ArrowRight: [ 1, 0 ], ArrowUp: [ 0, 1 ], ArrowDown: [ 0, - 1 ] };
 
 const clamped = ( x, most = 1 ) => Math.min( most, Math.max( 0, x ) );
-/** A row of texts. An empty text is the colour ramp. */
+/** A row of texts. An empty text becomes the colour ramp. */
 const row = ( kind, ...parts ) => el( 'div', { class: `${ kind } muted` }, parts.map( ( part ) => el( 'span', part === '' ? { class: 'ramp' } : {}, part ) ) );
 
-/** Linear colours of the scale at equal steps, from black to pale yellow; as in `view::picture`. */
+/** Linear colours of the scale at equal steps, from black to pale yellow. They are the same as in `view::picture`. */
 const STOPS = [ [ 0, 0, 0.004 ], [ 0.1, 0.004, 0.2 ], [ 0.5, 0.038, 0.12 ], [ 0.95, 0.26, 0.012 ], [ 0.98, 0.97, 0.45 ] ];
 
 /** The sRGB bytes of an error's colour. */
@@ -42,7 +42,7 @@ function heatMap( errors, count ) {
 
 }
 
-/** The maps of a table. `show` requests them for a ratio and an azimuth. */
+/** The error maps of a table. `show` requests them for a ratio and an azimuth. */
 export function errorMaps( digest, signal ) {
 
 	const output = el( 'output', { class: 'cell-errors', 'aria-live': 'polite' } );
@@ -86,7 +86,7 @@ export function errorMaps( digest, signal ) {
 
 			const roughness = [ alpha[ r ], ...( ratio === 1 ? [] : [ ratio * alpha[ r ] ] ) ].map( number ).join( ', ' );
 			const view = `view angle ${ degrees( theta[ c ] ) }${ ratio === 1 ? '' : `, azimuth ${ degrees( phi ) }` }`;
-			output.textContent = `alpha ${ roughness }, ${ view }: lobe error ${ percent( errors.width[ r ][ c ] ) } of its width, light error ${ percent( errors.light[ r ][ c ], 2 ) } of its energy`;
+			output.textContent = `alpha ${ roughness }, ${ view }: lobe error ${ percent( errors.width[ r ][ c ] ) } of the lobe’s width, light error ${ percent( errors.light[ r ][ c ], 2 ) } of the lobe’s energy`;
 
 		}
 

@@ -10,14 +10,14 @@ import { errorMaps } from './errors.js';
 export const roughness = ( x, y ) => x === y ? `alpha ${ number( x ) }` : `alpha ${ number( x ) }, ${ number( y ) }`;
 
 /** The rows of the table of figures: label, and name in the report. */
-const ROWS = { 'lobe, in widths': 'width', 'lobe, SW1': 'sw1', light: 'light', amplitude: 'amplitude', 'Fresnel term': 'fresnel' };
+const ROWS = { 'lobe, relative to its width': 'width', 'lobe, sliced Wasserstein': 'sw1', light: 'light', amplitude: 'amplitude', 'Fresnel term': 'fresnel' };
 
 /** The report as sentences and a table of figures. */
 export function inWords( { nodes, between, poor, matrices } ) {
 
 	const [ worst ] = between.worst;
 	const sentences = [
-		`Between nodes, a lobe has a mean error of ${ percent( between.width.mean ) } of its width. One lobe in twenty has more than ${ percent( between.width.p95 ) }.`,
+		`Between nodes, the mean error of a lobe is ${ percent( between.width.mean ) } of its width. One lobe in twenty has an error above ${ percent( between.width.p95 ) }.`,
 		`The reflected light of square lights has a mean error of ${ percent( between.light.mean, 2 ) } of the lobe’s energy. The largest error is ${ percent( between.light.max ) }.`,
 		`The worst lobe (${ roughness( worst.alpha_x, worst.alpha_y ) }, view angle ${ degrees( worst.theta ) }) has an error of ${ percent( worst.width, 0 ) } of its width.`,
 		poor.nodes && `At ${ poor.nodes } of ${ nodes.points } measured nodes, even the best lobe has an error above ${ percent( poor.limit, 0 ) }: alpha ${ poor.alpha.map( number ).join( ' to ' ) }, view angle ${ poor.theta.map( degrees ).join( ' to ' ) }. More nodes do not help there.`,
@@ -48,11 +48,11 @@ function slider( axis, label, { range, nodes }, usual, onchange ) {
 
 }
 
-/** The section with the error maps and the stored numbers. Tables of anisotropic surfaces have sliders for ratio and azimuth. Requests start after `before`. */
+/** The section with the error maps and the stored numbers. Tables of anisotropic surfaces have sliders for ratio and azimuth. Requests start after the promise `before`. */
 export function plots( digest, recipe, before, signal ) {
 
 	const errors = errorMaps( digest, signal );
-	const numbers = el( 'img', { alt: 'All stored numbers of the table, a tile for each ratio and azimuth' } );
+	const numbers = el( 'img', { alt: 'All stored numbers of the table. There is a tile for each ratio and azimuth.' } );
 	const isRound = isIsotropic( recipe );
 	const ratio = slider( 'ratio', 'Ratio of roughnesses', recipe, 0.25, draw );
 	const phi = slider( 'phi', 'Azimuth', recipe, 0.7, draw );

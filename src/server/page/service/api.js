@@ -4,13 +4,13 @@ import { anotherThan, authorization, hasToken } from './token.js';
 
 const BASE = new URL( '.', document.baseURI );
 
-/** Milliseconds between checks of the service: while it does not answer, and while it does. Hidden pages check only in the first case. */
+/** Milliseconds between checks of the service: while it does not respond, and while it responds. Hidden pages check only while it does not respond. */
 const [ RETRY, WATCH ] = [ 1500, 5000 ];
 
 /** The absolute address of a path such as `/v1/jobs`. A prefix in the page's own address is kept. */
 export const address = ( path ) => new URL( path.replace( /^\//, '' ), BASE ).href;
 
-/** The error of a problem document [RFC 9457] from the service. */
+/** The error for a problem document [RFC 9457] from the service. */
 export class Problem extends Error {
 
 	constructor( document ) {
@@ -36,7 +36,7 @@ export async function reach( path, { headers = {}, ...init } = {} ) {
 
 }
 
-/** The address of a picture. Browsers send no token with pictures, so with a token the page downloads the picture itself. */
+/** The address of a picture. Browsers send no token with pictures, so if there is a token, the page downloads the picture itself. */
 export async function pictureFrom( path ) {
 
 	if ( ! hasToken() ) return address( path );
@@ -46,8 +46,8 @@ export async function pictureFrom( path ) {
 }
 
 /**
- * The JSON response to a call. `body` is sent as JSON, `raw` unchanged with media type `type`. If the service does not answer, a
- * GET waits until it is back and tries again.
+ * The JSON response to a call. `body` is sent as JSON, and `raw` is sent unchanged with the media type `type`. If the service does
+ * not respond, a GET request waits until the service is back, and is then repeated.
  */
 export async function call( path, { method = 'GET', body, raw, type = 'application/json', signal } = {} ) {
 
@@ -61,7 +61,7 @@ export async function call( path, { method = 'GET', body, raw, type = 'applicati
 
 		if ( error.name === 'AbortError' ) throw error;
 		const isBack = awaitService();
-		if ( method !== 'GET' ) throw new Error( 'the service does not answer; try again later' );
+		if ( method !== 'GET' ) throw new Error( 'the service does not respond; try again later' );
 		await isBack;
 		signal?.throwIfAborted();
 		return call( path, { signal } );
@@ -76,7 +76,7 @@ export async function call( path, { method = 'GET', body, raw, type = 'applicati
 
 const responses = new Map();
 
-/** The response of a path whose response never changes. */
+/** The response for a path whose content never changes. It is requested only once. */
 export function constant( path ) {
 
 	if ( ! responses.has( path ) ) {
@@ -111,7 +111,7 @@ export async function each( items, atOnce, signal, work ) {
 let awaited = null;
 const isUp = () => fetch( address( '/healthz' ) ).then( ( { ok } ) => ok, () => false );
 
-/** Waits until the service answers again. Dispatches `servicelost` and `serviceback` on the window. */
+/** Waits until the service responds again. Dispatches `servicelost` and `serviceback` on the window. */
 export function awaitService() {
 
 	awaited ??= untilUp().finally( () => awaited = null );
@@ -128,7 +128,7 @@ async function untilUp() {
 
 }
 
-/** Checks the service regularly, so that a page without calls also notices that it stopped. */
+/** Checks the service regularly, so that a page that makes no calls also notices when the service stops. */
 export function watchService() {
 
 	const ask = async () => {

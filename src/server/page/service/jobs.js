@@ -5,7 +5,7 @@ import { awaitService, reach } from './api.js';
 /** Whether a job can still change. */
 export const isActive = ( { state } ) => state === 'queued' || state === 'running';
 
-/** Calls `onEvent` with type and data of each event in a stream. `EventSource` is no option: it cannot send a token. */
+/** Calls `onEvent` with the type and the data of each event in a stream. `EventSource` cannot be used, because it cannot send a token. */
 async function events( body, onEvent ) {
 
 	const reader = body.pipeThrough( new TextDecoderStream() ).getReader();
@@ -64,7 +64,7 @@ export function follow( id, signal, onJob ) {
 		}
 
 		if ( own !== stream ) return;
-		// The service or a proxy stopped.
+		// The service or a proxy closed the connection.
 		close();
 		awaitService();
 

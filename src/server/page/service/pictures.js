@@ -1,13 +1,13 @@
-// Pictures that the service renders. Two are requested at a time, because a browser opens only six connections to a service.
+// Loads pictures that the service renders. Two pictures are requested at a time, because a browser opens only six connections to a service.
 
 import { isIsotropic } from '../elements/recipe.js';
 import { pictureFrom } from './api.js';
 
-/** The promise of the last picture in each queue. */
+/** The promise for the last picture in each queue. */
 const queues = [ Promise.resolve(), Promise.resolve() ];
 let asked = 0;
 
-/** The address of a preview: a sphere under a rectangle, of a surface that suits the table. */
+/** The address of a preview: a sphere under a rectangular light, with a surface that suits the table. */
 export function previewOf( recipe, table, size, mode = 'ltc' ) {
 
 	const roughness = isIsotropic( recipe ) ? { alpha_x: 0.2, alpha_y: 0.2 } : { alpha_x: 0.5, alpha_y: 0.1, rotation: 0.6 };
@@ -16,7 +16,7 @@ export function previewOf( recipe, table, size, mode = 'ltc' ) {
 
 }
 
-/** Queues a picture for an image element. Resolves when it is shown, or `signal` has aborted. */
+/** Queues a picture for an image element. Resolves when the picture is shown, or when `signal` has aborted. */
 export function load( image, from, signal ) {
 
 	const queue = asked ++ % queues.length;

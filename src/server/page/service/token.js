@@ -1,4 +1,4 @@
-// The user's token, if the service needs one. The page keeps it in memory only, until it is reloaded.
+// The user's token, if the service needs a token. The page keeps it only in memory, until the page is reloaded.
 
 import { el, fill, notice } from '../elements/dom.js';
 
@@ -9,7 +9,7 @@ let isDeclined = false;
 /** Whether the user has entered a token. Links and pictures then need `reach`. */
 export const hasToken = () => token !== '';
 
-/** The `authorization` header, or nothing without a token. */
+/** The `authorization` header, or no header if there is no token. */
 export function authorization() {
 
 	return token ? { authorization: `Bearer ${ token }` } : {};
@@ -17,8 +17,8 @@ export function authorization() {
 }
 
 /**
- * Whether there is a token to try after `refused`. Asks the user for one if necessary, once for all waiting calls. A user who
- * declines is asked again on the next page.
+ * Whether there is another token to try after `refused`. If necessary, asks the user for a token, once for all waiting calls. A
+ * user who declines is asked again on the next page.
  */
 export async function anotherThan( { authorization: refused } ) {
 

@@ -3,7 +3,7 @@
 import { el, fill } from '../elements/dom.js';
 import { number } from '../elements/format.js';
 
-/** A slider. `show` displays its member of `values`, with another label if one is given. The label null hides the slider. */
+/** A slider. `show` displays the slider's member of `values`. It can also change the label. A null label hides the slider. */
 export function slider( { name, label, min, max, step }, prefix, change ) {
 
 	const id = `view-${ prefix }${ name }`;
@@ -40,7 +40,7 @@ export function choice( id, label, options, value, change ) {
 
 }
 
-/** Calls `onMove` while a pointer is dragged over an element: x, y upwards, both in halves of the picture, and whether Shift is down. */
+/** Calls `onMove` while the user drags an element. The arguments are the movement to the right and upwards, both relative to half of the picture's width, and whether Shift is pressed. */
 export function drag( element, onMove ) {
 
 	element.addEventListener( 'pointerdown', ( event ) => {

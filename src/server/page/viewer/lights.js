@@ -1,11 +1,11 @@
-// The form of the lights: select, add and remove lights; change shape and numbers of the selected one.
+// The form for the lights. Users select, add and remove lights, and change the shape and the numbers of the selected light.
 
 import { el, fill } from '../elements/dom.js';
 import { choice, slider } from './controls.js';
 import { addedLight, LIGHT_SHAPES, MOST_LIGHTS, OF_LIGHT } from './scene.js';
 import { screens } from './screens.js';
 
-/** The fields of a scene's lights. `changed` is called after each change, `again` when the user starts or pauses a video. */
+/** The fields of a scene's lights. `changed` is called after each change, and `again` when the user starts or pauses a video. */
 export function lightsPanel( scene, changed, again ) {
 
 	let chosen = 0;
@@ -54,7 +54,7 @@ export function lightsPanel( scene, changed, again ) {
 
 		chosen = i;
 		changed();
-		// `changed` has replaced the buttons, so the new one needs the focus.
+		// `changed` has replaced the buttons, so the new button needs the focus.
 		numbers.children[ i ].focus();
 
 	}

@@ -1,4 +1,4 @@
-// The models that light the surface: tables of the service, model normals, and published tables of others.
+// The models that light the surface: tables of the service, the normals model, and published tables.
 
 import { call, manifest, reach } from '../service/api.js';
 import { hasReference } from '../webgl/reference.js';
@@ -20,7 +20,7 @@ function texels( buffer ) {
 	const view = new DataView( buffer );
 	const word = ( at ) => view.getUint32( at, true );
 	// Header: KTX 2.0 specification, section 3. Format 109 is R32G32B32A32_SFLOAT.
-	if ( word( 12 ) !== 109 || word( 44 ) !== 0 ) throw new Error( 'the texture must have four 32-bit floats per texel without compression' );
+	if ( word( 12 ) !== 109 || word( 44 ) !== 0 ) throw new Error( 'the texture must be uncompressed, with four 32-bit floats per texel' );
 	const [ width, height, depth ] = [ word( 20 ), word( 24 ), Math.max( word( 28 ), 1 ) ];
 	return { width, height, depth, numbers: new Float32Array( buffer.slice( word( 80 ), word( 80 ) + 16 * width * height * depth ) ) };
 
@@ -28,7 +28,7 @@ function texels( buffer ) {
 
 const known = new Map();
 
-/** The result of `make` for a name, from memory after the first call. */
+/** The result of `make` for a name. Later calls return the first result. */
 async function once( name, make ) {
 
 	if ( ! known.has( name ) ) known.set( name, await make( name ) );
@@ -39,7 +39,7 @@ async function once( name, make ) {
 /** A shader text of the service. */
 export const textOf = ( file ) => once( file, async () => ( await fetched( `/page/${ file }` ) ).text() );
 
-/** The textures and uniforms of a table, as `ltcforge export --for wgpu` makes them. */
+/** The textures and uniforms of a table, as `ltcforge export --for wgpu` writes them. */
 async function tableOf( at ) {
 
 	const { ltc_table: members, textures: files } = await call( `${ at }ltc.json` );
@@ -55,18 +55,18 @@ async function shipped( name, file ) {
 
 }
 
-/** The reason why the viewer cannot show a table, or an empty text. Its shaders read LTCs only, and its reference has few scattering models. */
+/** The reason why the viewer cannot show a table, or an empty text. The viewer's shaders support only LTCs, and its reference supports few scattering models. */
 function unsupported( { brdf, lobe, layout } ) {
 
-	if ( ! hasReference( brdf ) ) return `The viewer has references for GGX and sheen only, and this table is for ${ brdf }. Its page has a picture with a reference.`;
-	if ( layout === 'materials' ) return 'This table has a list of materials, which a shader looks up by number. The viewer cannot show it. Its page has a picture.';
-	return lobe ? `The viewer shows LTCs only, and this table has lobes of type ${ lobe }. Its page has a picture.` : '';
+	if ( ! hasReference( brdf ) ) return `The viewer has references only for GGX and sheen, and this table is for ${ brdf }. The table’s page shows a picture with a reference.`;
+	if ( layout === 'materials' ) return 'This table is for a list of materials, which the viewer cannot show. The table’s page shows a picture.';
+	return lobe ? `The viewer shows only LTCs, and this table has lobes of type ${ lobe }. The table’s page shows a picture.` : '';
 
 }
 
 /**
  * Loads a model by its name in a link: '' for normals, a name of `PUBLISHED`, or the digest of a table. `kind` selects the
- * program, and `source` the shader text of the service. `brdf` is the scattering model.
+ * program, and `source` is the name of the service's shader text. `brdf` is the scattering model.
  */
 async function found( name ) {
 

@@ -1,6 +1,6 @@
-// The scene of the viewer: its parameters, its links, and its numbers for shaders.
+// The scene of the viewer: its parameters, its links, and its uniforms for shaders.
 
-/** Parameters from rows of name, label, minimum, maximum, step and default. */
+/** Makes parameters from rows of name, label, minimum, maximum, step and default. */
 const numbers = ( rows ) => rows.map( ( [ name, label, min, max, step, value ] ) => ( { name, label, min, max, step, value } ) );
 
 /** Parameters of the scene. Their names are the same in links and in `/v1/preview`. */
@@ -40,7 +40,7 @@ export const LIGHT_SHAPES = {
 	hexagon: { sizes: [ 'Half width', 'Half height' ], corners: 6 },
 };
 
-/** Pictures on rectangles: name in a link, and label. Opened files are not in this list. */
+/** Pictures on rectangular lights: name in a link, and label. Opened files are not in this list. */
 export const PICTURES = { '': 'one colour', signs: 'a picture', disc: 'a video' };
 
 /** Whether a light shows a picture. */
@@ -56,7 +56,7 @@ export const CHOICES = {
 	show: [ 'split', 'model', 'reference', 'difference' ],
 };
 
-/** The angle of view from edge to edge, radians, as in scene `sphere` of previews. */
+/** The angle of view from edge to edge in radians, as in the scene `sphere` of previews. */
 const FIELD_OF_VIEW = 0.5;
 
 const dot = ( a, b ) => a[ 0 ] * b[ 0 ] + a[ 1 ] * b[ 1 ] + a[ 2 ] * b[ 2 ];
@@ -68,7 +68,7 @@ const unit = ( v, otherwise ) => dot( v, v ) > 1e-24 ? scaled( v, 1 / Math.sqrt(
 /** The name of a light's parameter in a link. */
 const named = ( i, name ) => `light${ i ? i + 1 : '' }_${ name }`;
 
-/** The initial light number `i`, from zero. */
+/** The initial values of the light with index `i`. */
 export function addedLight( i ) {
 
 	const [ x, y, z ] = PLACES[ i ];
@@ -87,7 +87,7 @@ function within( { min, max }, text, value ) {
 /** The default border between both sides, as a fraction of the width. */
 const SPLIT = 0.5;
 
-/** Reads a scene from the parameters of a link. Missing and malformed values become the default. Numbers are clamped to their bounds. */
+/** Reads a scene from the parameters of a link. Missing and malformed values are replaced by defaults. Numbers are clamped to their bounds. */
 export function read( parameters ) {
 
 	const scene = { table: parameters.get( 'table' ) || '', against: parameters.get( 'against' ) || '', split: within( { min: 0, max: 1 }, parameters.get( 'split' ), SPLIT ) };
@@ -123,7 +123,7 @@ export function link( scene ) {
 /** The corners of a regular polygon around the origin, clockwise from an angle. */
 const regular = ( count, radius, first ) => Array.from( { length: count }, ( _, i ) => [ radius * Math.cos( first - 2 * Math.PI * i / count ), radius * Math.sin( first - 2 * Math.PI * i / count ) ] );
 
-/** A light in space: centre, half axes, normal of its lit side towards the origin, corners of its polygon, and both ends. */
+/** A light in space: centre, half axes, normal of the side that emits light and faces the origin, corners of its polygon, and both ends. */
 export function placed( { shape, x, y, z, width, height } ) {
 
 	const centre = [ x, y, z ];
@@ -134,13 +134,13 @@ export function placed( { shape, x, y, z, width, height } ) {
 	const { corners } = LIGHT_SHAPES[ shape ];
 	const flat = shape === 'rectangle' ? [ [ - 1, 1 ], [ 1, 1 ], [ 1, - 1 ], [ - 1, - 1 ] ]
 		: corners ? regular( corners, 1, Math.PI / 2 )
-		// Some models light with polygons only: for them, an octagon with the area of the disk replaces it.
+		// Some models support only polygons. For them, an octagon with the same area replaces the disk.
 		: shape === 'disk' ? regular( 8, Math.sqrt( Math.PI / ( 4 * Math.sin( Math.PI / 4 ) ) ), Math.PI / 8 ) : [];
 	return { centre, normal, along, across, vertices: flat.map( at ), at, ends: [ plus( centre, scaled( along, - 1 ) ), plus( centre, along ) ] };
 
 }
 
-/** Points on the outline of a light as seen from an eye. */
+/** Points on the outline of a light, as seen from `eye`. */
 export function outline( light, eye ) {
 
 	const { centre, along, vertices, at, ends } = placed( light );
@@ -155,13 +155,13 @@ export function outline( light, eye ) {
 
 	} );
 	if ( light.shape === 'sphere' ) return circle( centre, unit( cross( [ 0, 1, 0 ], way ), [ 1, 0, 0 ] ), 0, 33, 2 * Math.PI );
-	// A tube or line: half a circle around each end, perpendicular to the direction to the eye.
+	// A tube or line has half a circle around each end, perpendicular to the direction to the eye.
 	const across = unit( plus( along, scaled( way, - dot( along, way ) ) ), [ 1, 0, 0 ] );
 	return [ ...circle( ends[ 0 ], across, Math.PI / 2, 9, Math.PI ), ...circle( ends[ 1 ], across, - Math.PI / 2, 9, Math.PI ) ];
 
 }
 
-/** The uniforms of the lights, and a bit for each shape in the scene and for pictures. Pictures are layers in the order of their lights. */
+/** The uniforms of the lights, and `shapes`, which has a bit for each shape in the scene and a bit for pictures. The pictures are layers of a texture, in the order of their lights. */
 export function uniformsOf( lights ) {
 
 	const four = ( v, w = 0 ) => [ ...v, w ];
@@ -202,7 +202,7 @@ export function camera( { camera_azimuth: azimuth, camera_elevation: elevation, 
 
 }
 
-/** Projects a point to the image, a square from -1 to 1, with its distance; null behind the camera. */
+/** Projects a point to the image, which is a square from -1 to 1, and adds its distance. Returns null for a point behind the camera. */
 export function projected( { eye, forward, right, up, half }, point ) {
 
 	const way = plus( point, scaled( eye, - 1 ) );

@@ -1,4 +1,4 @@
-// Pictures on lights: a built-in picture and video, or a file of the user. Files stay in the browser.
+// Pictures on lights: a built-in picture, a built-in video, or a file of the user. Files stay in the browser.
 
 import { el, fileField, fill, notice } from '../elements/dom.js';
 import { choice } from './controls.js';
@@ -7,7 +7,7 @@ import { isPictured, PICTURES } from './scene.js';
 /** Texels of the longer side of a picture on a light. */
 const LONGER = 256;
 
-/** Coloured bars, white squares of halving size, and black stripes. */
+/** Draws coloured bars, white squares that halve in size, and black stripes. */
 function drawSigns( to, width, height ) {
 
 	[ '#101820', '#ff5030', '#ffd040', '#20c060', '#3080ff', '#f0f0f0' ].forEach( ( colour, i ) => {
@@ -29,7 +29,7 @@ function drawSigns( to, width, height ) {
 
 }
 
-/** A disc that moves over a grid. Its place depends on the time only. */
+/** Draws a disc that moves over a grid. Its position depends only on the time. */
 function drawDisc( to, width, height, seconds ) {
 
 	to.fillStyle = '#0c2440';
@@ -72,15 +72,15 @@ async function read( file ) {
 }
 
 /**
- * The inputs of pictures on lights, and their pixels. `change` gets the picture's name for the selected light. `again` is called
- * when the user starts or pauses the video.
+ * The inputs for pictures on lights, and the pixels of the pictures. `change` is called with the picture's name for the selected
+ * light. `again` is called when the user starts or pauses the video.
  */
 export function screens( change, again ) {
 
 	let opened = null;
 	let chosen = null;
 	let isPlaying = ! matchMedia( '(prefers-reduced-motion: reduce)' ).matches;
-	/** Seconds of the built-in video, and the time of the last update. */
+	/** The position in the built-in video in seconds, and the time of the last update. */
 	let [ seconds, since ] = [ 0, null ];
 	const shows = choice( 'view-light_picture', 'Shows', [], '', change );
 	const play = el( 'button', { type: 'button', class: 'quiet', onclick: () => {
@@ -96,7 +96,7 @@ export function screens( change, again ) {
 	const openRow = el( 'div', { class: 'field' }, el( 'label', { for: 'picture' }, 'Picture or video' ), el( 'div', { class: 'file' }, fileField( 'picture', 'image/*,video/*', 'Open a file', open ), play, small ) );
 	const isMoving = ( { picture } ) => picture === 'disc' || picture === 'file' && opened.isVideo;
 
-	/** Updates the button and an opened video to `isPlaying`. */
+	/** Makes the button and an opened video match `isPlaying`. */
 	function updatePlayback() {
 
 		play.textContent = isPlaying ? 'Pause' : 'Play';
@@ -140,7 +140,7 @@ export function screens( change, again ) {
 	updatePlayback();
 	return {
 		row: [ shows.row, openRow, message ],
-		/** Shows the inputs of a light. Only rectangles have them. */
+		/** Shows the inputs for a light. They are hidden unless it is a rectangle. */
 		show( light ) {
 
 			chosen = light;
@@ -151,7 +151,7 @@ export function screens( change, again ) {
 
 		},
 		/**
-		 * The pixels of all pictures, in the order of their lights, and whether any of them moves. All pictures have one size: their
+		 * The pixels of all pictures, in the order of their lights, and whether any of them moves. All pictures have the same size. Their
 		 * pixels are square on the first of these lights.
 		 */
 		layers( lights ) {
@@ -166,7 +166,7 @@ export function screens( change, again ) {
 			const layers = pictured.map( ( light, i ) => {
 
 				const canvas = canvases[ i ] ??= document.createElement( 'canvas' );
-				// Setting the size clears a canvas, which takes time.
+				// Setting the size of a canvas clears it, which takes time.
 				if ( canvas.width !== width || canvas.height !== height ) Object.assign( canvas, { width, height } );
 				paint( canvas, light );
 				if ( light === chosen ) Object.assign( small, { width, height } ).getContext( '2d' ).drawImage( canvas, 0, 0 );

@@ -1,8 +1,8 @@
 // The shader ball: a sphere with a groove around a tilted axis, on a foot with a ring. It fits into the unit sphere.
 //
-// Each part is a surface of revolution with exact normals. Tangents run along the circles.
+// Each part is a surface of revolution with exact normals. Tangents run along its circles.
 
-/** The ball: height of its centre, radius, and tilt of its axis towards the viewer. The groove: angle from the axis, half width, relative depth. */
+/** The ball: height of its centre, radius, and tilt of its axis towards the viewer. The groove: angle from the axis, half width, and relative depth. */
 const [ MIDDLE, RADIUS, TILT ] = [ 0.29, 0.69, 0.6 ];
 const GROOVE = { angle: 1.05, width: 0.16, depth: 0.13 };
 /** The foot: radius and height of the neck inside the ball, radius and height of the plate, and radius of the rounded rim. */
@@ -11,8 +11,8 @@ const FOOT = { neck: 0.13, top: - 0.3, plate: 0.42, bottom: - 0.84, rim: 0.03 };
 const RING = { radius: 0.27, thick: 0.055, height: - 0.52 };
 
 /**
- * The parts. A profile has a parameter from 0 to 1. It returns the distance r from the axis, the height y, and the derivatives
- * dr and dy. Profiles run down the outside, so (-dy, dr) points outwards.
+ * The parts. The parameter of a profile runs from 0 to 1. A profile returns the distance r from the axis, the height y, and their
+ * derivatives dr and dy. Profiles run down the outside, so (-dy, dr) points outwards.
  */
 const PARTS = [
 	{ rows: 160, columns: 192, tilt: TILT, up: MIDDLE, profile( s ) {
@@ -37,7 +37,7 @@ const PARTS = [
 	arc( RING.radius, RING.height, RING.thick, - 1, 1, 32 ),
 ];
 
-/** A part whose profile is an arc around a point. Angles are in half turns below the horizontal. */
+/** A part whose profile is an arc around a point. Angles are in half turns, measured downwards from the horizontal. */
 function arc( middle, height, radius, from, to, rows ) {
 
 	return { rows, columns: 96, profile( s ) {
@@ -58,7 +58,7 @@ function append( numbers, { rows, columns, profile, tilt = 0, up = 0 } ) {
 	const corner = ( row, column ) => {
 
 		const [ r, y, dr, dy ] = profile( row / rows );
-		// The last column equals the first one exactly.
+		// The last column is exactly equal to the first column.
 		const angle = 2 * Math.PI * ( column % columns ) / columns;
 		const [ sine, cosine, length ] = [ Math.sin( angle ), Math.cos( angle ), Math.hypot( dr, dy ) ];
 		const place = turned( [ r * sine, y, r * cosine ] );
@@ -75,7 +75,7 @@ function append( numbers, { rows, columns, profile, tilt = 0, up = 0 } ) {
 
 }
 
-/** The triangles of the shader ball, ten numbers a corner, made once. */
+/** The triangles of the shader ball, with ten numbers per corner. They are computed once. */
 export function shaderBall() {
 
 	return made ??= new Float32Array( PARTS.reduce( ( numbers, part ) => ( append( numbers, part ), numbers ), [] ) );

@@ -1,4 +1,4 @@
-// Draws a scene with WebGL 2: the surface at each pixel, its light by models, samples of the reference, and the final image.
+// Draws a scene with WebGL 2: the surface at each pixel, its light from the models, samples of the reference, and the final image.
 
 import { program, target, texture } from './context.js';
 import { modelShader, picturesOf } from './models.js';
@@ -6,7 +6,7 @@ import { pictures } from './pictures.js';
 import { referenceShader } from './reference.js';
 import { DISPLAY_SHADER, MESH_VERTEX, meshShader, SURFACE_SHADER } from './surface.js';
 
-/** Names of the textures with the surface at each pixel. */
+/** Names of the textures that store the surface at each pixel. */
 const SURFACE_TEXTURES = [ 'surface_position', 'surface_tangent', 'surface_normal', 'surface_f0' ];
 
 /** A texture of a model: a volume of 32-bit floats, which the shader interpolates, or an image of half floats, which the sampler interpolates. */
@@ -60,7 +60,7 @@ function corners( gl, numbers, uv ) {
 
 }
 
-/** Draws scenes on a canvas, with models of `viewer/models.js`. */
+/** Draws scenes on a canvas. The models come from `viewer/models.js`. */
 export function device( canvas ) {
 
 	const gl = canvas.getContext( 'webgl2', { alpha: false, antialias: false, preserveDrawingBuffer: true } );
@@ -76,7 +76,7 @@ export function device( canvas ) {
 	const [ left, right, ...sums ] = Array.from( { length: 4 }, () => target( gl, [ gl.RGBA32F ], width, height ) );
 	const known = new Map();
 
-	/** Returns the program, texture or mesh of a key. The first call makes it. */
+	/** Returns the program, texture or mesh for a key. The first call creates it. */
 	function once( key, make ) {
 
 		if ( ! known.has( key ) ) known.set( key, make( key ) );
@@ -84,7 +84,7 @@ export function device( canvas ) {
 
 	}
 
-	/** Runs a program on the whole image, or on triangles with `count` corners. */
+	/** Runs a program on the whole image, or on triangles with `count` corners in total. */
 	function run( { made, uniforms }, to, values, bound, count = 3 ) {
 
 		gl.useProgram( made );
@@ -102,7 +102,7 @@ export function device( canvas ) {
 
 	}
 
-	/** The pictures on lights; null without pictures. */
+	/** The pictures on lights, or null if there are no pictures. */
 	let shown = null;
 	const surface = SURFACE_TEXTURES.map( ( name, i ) => ( { name, texture: surfaceTarget.textures[ i ] } ) );
 	const layered = ( name, texture ) => shown ? [ { name, type: gl.TEXTURE_2D_ARRAY, texture: shown[ texture ] } ] : [];
@@ -110,7 +110,7 @@ export function device( canvas ) {
 	return {
 		/** Draws the surface of the sphere or the floor. */
 		drawSurface: ( uniforms ) => run( once( 'surface', () => program( gl, SURFACE_SHADER ) ), surfaceTarget, uniforms, [] ),
-		/** Draws meshes. Each has ten numbers per corner, the uniforms of its material, and possibly textures. */
+		/** Draws meshes. Each mesh has ten numbers per corner, the uniforms of its material, and optionally textures. */
 		drawMeshes( uniforms, meshes ) {
 
 			gl.bindFramebuffer( gl.FRAMEBUFFER, surfaceTarget.framebuffer );
@@ -130,7 +130,7 @@ export function device( canvas ) {
 			gl.bindVertexArray( null );
 
 		},
-		/** Prefilters pictures on lights with a shader text of the service. The pictures are canvases of one size. Returns the number of draw calls. */
+		/** Prefilters pictures on lights with a shader text of the service. The pictures are canvases of the same size. Returns the number of draw calls. */
 		picture( layers, text ) {
 
 			const [ { width, height } = {} ] = layers;
@@ -162,7 +162,7 @@ export function device( canvas ) {
 			sums.reverse();
 
 		},
-		/** Shows both sides. The right side is a model if `samples` is null, otherwise the reference of so many samples. */
+		/** Shows both sides. The right side is a model if `samples` is null, otherwise the reference with this number of samples. */
 		display( uniforms, samples ) {
 
 			const other = samples === null ? right : sums[ 0 ];

@@ -1,10 +1,10 @@
-// Lights of the scene in GLSL ES, as in shaders/ggx_reference.wgsl and shaders/reference_solids.wgsl, which have one light.
+// Several lights in GLSL ES. shaders/ggx_reference.wgsl and shaders/reference_solids.wgsl have the same code for one light.
 
 /**
- * The lights. `SHAPES_USED` has a bit for each shape in the scene, and bit 16 for pictures. A program contains only their code,
+ * The lights. `SHAPES_USED` has a bit for each shape in the scene, and 16 for pictures. A program contains only code for them,
  * because software drivers run both sides of a branch. `light_shape` is 0 for a polygon, 1 for an ellipse, 2 for a tube, 3 for a
- * line. A sphere is a tube with equal ends. The vertices belong to the polygon, or to the octagon that replaces an ellipse,
- * clockwise from the lit side. Their w is the area of the triangles (0, 1, 2) to (0, i - 1, i), divided by the whole area.
+ * line. A sphere is a tube with equal ends. The vertices are the corners of the polygon, or of an octagon for an ellipse,
+ * clockwise from the lit side. The w of vertex i is the area of the triangles (0, 1, 2) to (0, i - 1, i), divided by the whole area.
  */
 export const LIGHTS = `
 const float HORIZON = 1e-6;
@@ -30,7 +30,7 @@ mat2x3 solid_basis( vec3 axis ) {
 	return mat2x3( x, cross( axis, x ) );
 }
 
-/** The point between both ends that is nearest to the shaded point, relative to the shaded point. */
+/** The point on the line between both ends that is nearest to the shaded point, relative to the shaded point. */
 vec3 solid_nearest( int l, vec3 position ) {
 	vec3 start = light_centre[l].xyz - position;
 	vec3 along = light_x[l].xyz - light_centre[l].xyz;
@@ -40,7 +40,7 @@ vec3 solid_nearest( int l, vec3 position ) {
 vec3 unit_of( vec3 v ) { return v / sqrt( max( dot( v, v ), 1e-36 ) ); }
 `;
 
-/** Polygons instead of tubes, spheres and lines, for models that know polygons only. */
+/** Polygons that replace tubes, spheres and lines, for models that support only polygons. */
 export const OUTLINES = `
 void tube_end( vec3 end, vec3 outwards, vec3 beside, vec3 sideways, float size, out vec3 v[4] ) {
 	float sine2 = size * size / dot( end, end );
@@ -60,7 +60,7 @@ void tube_end( vec3 end, vec3 outwards, vec3 beside, vec3 sideways, float size, 
 		centre + ( ahead * turn.y - sideways * turn.x ) * ( radius * far ), centre + ahead * cos_end - sideways * sin_end );
 }
 
-/** The polygon of a tube or line: for a line its strip, otherwise an octagon with the area of the outline. Inside a tube, the whole sky. */
+/** The polygon that replaces a tube or line: a strip for a line, otherwise an octagon with the same area as the outline. Inside a tube, the polygon covers the whole sky. */
 uint solid_outline( int l, vec3 position, vec3 sky, out vec3 v[8] ) {
 	vec3 start = light_centre[l].xyz - position;
 	vec3 end = light_x[l].xyz - position;
@@ -137,7 +137,7 @@ vec2 tube_hit( int l, vec3 position, vec3 wi ) {
 	return found;
 }
 
-/** x: area of a tube. y: share of its straight part. */
+/** x: area of a tube. y: fraction of the area in its straight part. */
 vec2 tube_area( vec3 along, float radius ) {
 	float straight = length( along );
 	return vec2( 6.2831853 * radius * ( straight + 2.0 * radius ), straight / ( straight + 2.0 * radius ) );
@@ -146,7 +146,7 @@ vec2 tube_area( vec3 along, float radius ) {
 /** 1 - cosine of a spherical cap, from the squared sine. */
 float sphere_cap( float sine2 ) { return sine2 / ( 1.0 + sqrt( max( 1.0 - sine2, 0.0 ) ) ); }
 
-/** The density of light_sample in the direction wi: negative if wi misses the light, zero if it is never sampled. */
+/** The density of light_sample in the direction wi. Negative if wi misses the light, zero if light_sample does not sample the light. */
 float light_pdf( int l, vec3 position, vec3 wi ) {
 	if ( is_shape( l, 3 ) ) return - 1.0;
 	if ( is_shape( l, 2 ) ) {
@@ -205,7 +205,7 @@ vec3 emitted( int l, vec3 position, vec3 wi ) {
 	return vec3( light_radiance[l] );
 }
 
-/** A point of a polygon or ellipse, uniform by area. */
+/** A point on a polygon or ellipse, uniformly distributed by area. */
 vec3 light_point( int l, vec2 u ) {
 	if ( is_shape( l, 1 ) ) {
 		float radius = sqrt( u.x );

@@ -1,7 +1,7 @@
-// Models of light in GLSL ES: a shader text of the service, or the formula of engines, summed over the lights.
+// Lighting models in GLSL ES: a shader text of the service, or the formula that engines use, summed over the lights.
 //
-// Each program sums two parts of the reflected light: for a Fresnel factor of one, and weighted by Schlick's fifth power. Both
-// are colours, because lights can have pictures. The program combines them with the reflectance f0 of the material.
+// Each program sums two parts of the reflected light: one for a Fresnel factor of one, and one weighted by Schlick's fifth power.
+// Both are colours, because lights can have pictures. The program combines the parts with the reflectance f0 of the material.
 
 import { LIGHTS, OUTLINES } from './lights.js';
 import { SURFACE_POINT } from './surface.js';
@@ -14,7 +14,7 @@ void main() {
 	radiance = vec4( at.f0 * ( parts[0] - parts[1] ) + parts[1], 1.0 );
 }`;
 
-/** Model normals, which knows polygons only. Polygons replace other shapes, as in previews. */
+/** The normals model, which supports only polygons. As in previews, polygons replace other shapes. */
 const BY_NORMALS = `
 mat2x3 parts_of( Shaded at ) {
 	NormalsView view = normals_view( at.alpha.x, at.alpha.y, at.wo );
@@ -36,7 +36,7 @@ mat2x3 parts_of( Shaded at ) {
 	return sum;
 }`;
 
-/** The part of a lobe that each light covers, times its radiance, summed. */
+/** The sum over all lights of the part of a lobe that the light covers, times the light's radiance. */
 const COVERED = `
 vec3 covered( mat3 m, Shaded at ) {
 	LtcInverse local = ltc_inverse( m );
@@ -136,7 +136,7 @@ mat2x3 parts_of( Shaded at ) {
 	return outerProduct( sum, terms );
 }`;
 
-/** The code of each kind of model: normals, engines, or a way to use the lobes of a table. */
+/** The code of each kind of model: normals, engines, or one of the ways to use the lobes of a table. */
 const BODIES = {
 	normals: OUTLINES + BY_NORMALS,
 	engines: OUTLINES + BY_ENGINES,
@@ -146,7 +146,7 @@ const BODIES = {
 /** The name of the sampler with all levels of the pictures, by kind of model. */
 export const picturesOf = ( kind ) => `${ { normals: 'normals', engines: 'engines' }[ kind ] || 'ltc' }_pictures`;
 
-/** The fragment shader of a kind of model. `shapes` has a bit for each shape of the lights. `text` is the service's text, which sets the precisions. */
+/** The fragment shader of a kind of model. `shapes` has a bit for each shape of the lights. `text` is the shader text of the service. It sets the precisions. */
 export function modelShader( kind, text, shapes ) {
 
 	return `#version 300 es\n${ text || 'precision highp float;\nprecision highp int;\n' }\n#define SHAPES_USED ${ shapes }\nuniform float picture_base;\n${ SURFACE_POINT }${ LIGHTS }${ BODIES[ kind ] }${ MAIN }`;

@@ -21,8 +21,8 @@ void main() {
 }`;
 
 /**
- * The textures of `layers` pictures of one size. `shown` has the pictures, `pyramids` their prefiltered levels. Both are arrays
- * with a layer per picture. `run` draws a program. `text` is the shader text of the service.
+ * The textures for `layers` pictures of the same size. `shown` contains the pictures, and `pyramids` contains their prefiltered
+ * levels. Both are arrays with a layer per picture. `run` draws a program. `text` is the shader text of the service.
  */
 export function pictures( gl, run, text, width, height, layers ) {
 
@@ -31,7 +31,7 @@ export function pictures( gl, run, text, width, height, layers ) {
 	const passes = Object.fromEntries( Object.keys( PASSES ).map( ( pass ) => [ pass, program( gl, passShader( text, pass ) ) ] ) );
 	const array = ( levels, format, ...filters ) => texture( gl, gl.TEXTURE_2D_ARRAY, () => gl.texStorage3D( gl.TEXTURE_2D_ARRAY, levels, format, width, height, layers ), ...filters );
 	const picture = texture( gl, gl.TEXTURE_2D, () => gl.texStorage2D( gl.TEXTURE_2D, 1, gl.SRGB8_ALPHA8, width, height ) );
-	// Level 0 of the chain is the picture.
+	// Level 0 is the picture itself.
 	const chain = Array.from( { length: Math.max( last - 1, 0 ) }, ( _, i ) => levelTarget( i + 1 ) );
 	const levels = Array.from( { length: last + 1 }, ( _, level ) => levelTarget( level ) );
 	const rows = target( gl, [ gl.RGBA16F ], 1, height );
@@ -49,7 +49,7 @@ export function pictures( gl, run, text, width, height, layers ) {
 		shown, pyramids,
 		/** The argument `base` of the models' shaders: log2 of the geometric mean of both sides, minus 1. */
 		base: Math.log2( Math.sqrt( width * height ) ) - 1,
-		/** Prefilters a canvas of this size into a layer. Returns the number of draw calls. */
+		/** Prefilters a canvas of the pictures' size into a layer. Returns the number of draw calls. */
 		update( canvas, layer ) {
 
 			gl.bindTexture( gl.TEXTURE_2D, picture );

@@ -1,5 +1,5 @@
-// The reference in GLSL ES, by Monte Carlo integration. Each sample has a direction of the BRDF and a point of each light, weighted
-// by the balance heuristic [Veach and Guibas 1995]. It follows shaders/ggx_reference.wgsl line by line.
+// The reference in GLSL ES, by Monte Carlo integration. Each sample takes a direction from the BRDF and a point on each light,
+// weighted by the balance heuristic [Veach and Guibas 1995]. The code follows shaders/ggx_reference.wgsl line by line.
 
 import { LIGHTS, SAMPLED_LIGHTS } from './lights.js';
 import { SURFACE_POINT } from './surface.js';
@@ -39,7 +39,7 @@ vec2 scattered( Shaded at, vec3 wm, vec3 wi ) {
 }
 `;
 
-/** Sheen: distribution Charlie [Estevez and Kulla 2017] with a visibility term. Directions are sampled by the cosine. */
+/** Sheen: distribution Charlie [Estevez and Kulla 2017] with a visibility term. Directions are sampled with a density proportional to the cosine. */
 const sheen = ( visibility ) => `
 vec3 sampled_direction( Shaded at, vec2 u ) {
 	float radius = sqrt( u.x );
@@ -67,10 +67,10 @@ float visibility( float alpha, float o, float i ) { return 1.0 / ( 4.0 * o * i *
 
 const NEUBELT = 'float visibility( float alpha, float o, float i ) { return 0.25 / ( o + i - o * i ); }';
 
-/** The scattering models of the reference. */
+/** The scattering models that the reference supports. */
 const BRDFS = { ggx: GGX, charlie: sheen( ESTEVEZ ), charlie_neubelt: sheen( NEUBELT ) };
 
-/** Whether there is a reference for a scattering model. */
+/** Whether the reference supports a scattering model. */
 export const hasReference = ( brdf ) => Object.hasOwn( BRDFS, brdf );
 
 const SUM = `

@@ -11,7 +11,7 @@ layout( location = 2 ) out vec4 out_normal;
 layout( location = 3 ) out vec4 out_f0;
 `;
 
-/** The unit sphere around the origin, or the floor y = 0; as in shaders/sphere.wgsl. */
+/** The unit sphere around the origin, or the floor y = 0, as in shaders/sphere.wgsl. */
 export const SURFACE_SHADER = `${ HEAD }${ TARGETS }
 uniform int size, surface;
 uniform vec3 eye, right, up, forward, f0;
@@ -49,7 +49,7 @@ void main() {
 	out_f0 = vec4( f0, 1.0 );
 }`;
 
-/** The triangles of a mesh, with the same camera. The image is the square from -1 to 1. */
+/** Projects the triangles of a mesh with the same camera. The image is the square from -1 to 1. */
 export const MESH_VERTEX = `#version 300 es
 layout( location = 0 ) in vec3 place;
 layout( location = 1 ) in vec3 normal;
@@ -78,7 +78,7 @@ uniform vec3 base;
 uniform vec4 factors;
 uniform float normal_scale, is_white;
 
-/** The normal of the normal texture. A mesh without tangents gets them from screen-space derivatives: x runs along u, y against v. */
+/** The normal from the normal texture. If a mesh has no tangents, they are computed from screen-space derivatives: x runs along u, y against v. */
 vec3 bent( vec3 normal ) {
 	vec3 px = dFdx( at_place ), py = dFdy( at_place );
 	vec2 ux = dFdx( at_uv ), uy = dFdy( at_uv );
@@ -102,7 +102,7 @@ void read_textures( out vec3 reflected, out vec2 alpha ) {
 }
 `;
 
-/** The surface of a mesh. Triangles are two-sided. Without tangents in the file, they run around the vertical axis, as on the sphere. */
+/** The surface of a mesh. Triangles are two-sided. If the file has no tangents, they run around the vertical axis, as on the sphere. */
 export const meshShader = ( isTextured ) => `${ HEAD }${ TARGETS }
 in vec3 at_place, at_normal;
 in vec4 at_tangent;
@@ -148,7 +148,7 @@ Shaded shaded_point() {
 }
 `;
 
-/** Shows one side, both with a border, or their difference in false colours; as in shaders/sphere.wgsl. */
+/** Shows the left side, the right side, a split view of both, or their difference in false colours. Uses the tone curve of src/view/preview/tone.rs. */
 export const DISPLAY_SHADER = `${ HEAD }
 uniform sampler2D surface_position, left_radiance, right_radiance;
 uniform int size, show;
@@ -156,7 +156,7 @@ uniform float exposure, split, difference_scale, right_weight;
 out vec4 colour;
 const vec3 BACKGROUND = vec3( 0.02 );
 
-/** Colours from blue over green and yellow to red. */
+/** Colours from blue through green and yellow to red. */
 vec3 false_colour( float t ) {
 	vec3 c = clamp( vec3( 2.5 * t - 0.9, 1.0 - abs( 2.6 * t - 1.2 ), 1.0 - 2.6 * abs( t - 0.22 ) ), 0.0, 1.0 );
 	return mix( vec3( 0.02, 0.03, 0.12 ), c, smoothstep( 0.0, 0.15, t ) );

@@ -1,7 +1,7 @@
-//! The queue of one process: all jobs in memory, and what was acknowledged in the database.
+//! The queue of one process. All jobs are in memory, and all acknowledged changes are in the database.
 //!
-//! Invariant: a thread that writes to the database holds `writer`, and takes `state` only before and after the write. Only
-//! leases change meanwhile. After a restart, shards without a result wait again.
+//! Invariant: a thread that writes to the database holds `writer`, and locks `state` only before and after the write.
+//! During the write only leases change. After a restart, shards without a result wait again.
 
 mod clock;
 mod open;
@@ -25,7 +25,7 @@ use ltcforge_files::digest::Digest;
 use record::{TaskState, result_key};
 use state::State;
 
-/// A queue in the rows of one process.
+/// A queue that one process keeps in its rows.
 #[derive(Debug)]
 pub struct EmbeddedQueue {
     rows: Arc<dyn Rows>,
@@ -33,7 +33,7 @@ pub struct EmbeddedQueue {
     clock: Clock,
     writer: Mutex<()>,
     state: Mutex<State>,
-    /// A task waits, or the queue is closed.
+    /// Notified when a task starts to wait or the queue is closed.
     changed: Condvar,
 }
 
@@ -46,10 +46,10 @@ impl EmbeddedQueue {
         self.writer.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Lets the doomed jobs fail, and logs if that cannot be stored.
+    /// Stores the failures of doomed jobs. Logs an error if they cannot be stored now.
     fn try_to_fail_doomed(&self) {
         if let Err(error) = self.fail_doomed() {
-            tracing::warn!(%error, "a job that has failed is stored later");
+            tracing::warn!(%error, "could not store that a job failed; trying again later");
         }
     }
 }

@@ -15,7 +15,7 @@ use crate::{
     store::{Batch, Rows, StoreError, Tree},
 };
 
-/// Results per read.
+/// Number of results that are read at a time.
 const PAGE: usize = 256;
 
 impl EmbeddedQueue {
@@ -39,7 +39,7 @@ impl EmbeddedQueue {
             match serde_json::from_slice::<Record>(&value) {
                 Ok(record) => drop(records.insert(record.job.id, (record, vec![]))),
                 Err(error) => {
-                    tracing::error!(%error, ?key, "the row of a job cannot be read; it is removed");
+                    tracing::error!(%error, ?key, "the row of a job cannot be read; the job is removed");
                     batch.remove(Tree::Jobs, key);
                 }
             }

@@ -13,7 +13,7 @@ pub(super) struct Record {
     pub(super) job: Job,
     /// The number of the submission.
     pub(super) submission: u64,
-    /// The fitter version of its results.
+    /// The fitter version of the job's results.
     pub(super) fitter: u32,
     /// The start of the job on the virtual clock of [`order`].
     pub(super) base: i64,
@@ -46,15 +46,15 @@ pub(super) fn parse_result_key(key: &[u8]) -> Option<(JobId, u32)> {
 pub(super) enum TaskState {
     /// An assembly with unfinished shards, or a task of a doomed job.
     Blocked,
-    /// No worker has it.
+    /// No worker has the task.
     Waiting,
-    /// A worker has it.
+    /// A worker has the task.
     Leased {
-        /// The fence.
+        /// The number of the lease. Results under another number are refused.
         number: u64,
         /// When the lease expires, by the steady clock.
         until: std::time::Duration,
-        /// Entries that the worker has reported.
+        /// Number of finished entries that the worker has reported.
         entries: u64,
     },
     /// The result of the shard is stored.
@@ -87,7 +87,7 @@ pub(super) struct Entry {
 }
 
 impl Entry {
-    /// An unfinished job; `finished` are its finished shards, in ascending order.
+    /// An unfinished job. `finished` lists its finished shards in ascending order.
     pub(super) fn unfinished(record: Record, finished: &[u32]) -> Self {
         let is_finished = |number| finished.binary_search(&number).is_ok();
         let tags = order::tags(record.base, &record.shards, is_finished);

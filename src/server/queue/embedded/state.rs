@@ -1,4 +1,4 @@
-//! All jobs and tasks in memory. Nothing here writes to the database.
+//! All jobs and tasks in memory. This module does not write to the database.
 
 use std::{
     collections::{BTreeMap, BTreeSet, HashMap, VecDeque},
@@ -15,10 +15,10 @@ use crate::queue::{
 };
 use ltcforge_files::digest::Digest;
 
-/// Maximum number of jobs that one write forgets.
+/// Maximum number of ended jobs that one write removes.
 const MOST_FORGOTTEN: usize = 256;
 
-/// A job that fails with the next write, and the reason.
+/// A job that is marked to fail with the next write, and the failure.
 pub(super) type Doomed = (u64, Failure);
 
 #[derive(Debug, Default)]
@@ -45,17 +45,17 @@ pub(super) struct State {
 }
 
 impl State {
-    /// No jobs. Lease numbers start at random, so leases of an earlier process are not valid.
+    /// A state without jobs. Lease numbers start at a random number, so leases of an earlier process are not valid.
     pub(super) fn new() -> Self {
         Self { last_lease: RandomState::new().hash_one(()) >> 1, ..Self::default() }
     }
 
-    /// The job of an id.
+    /// The job with this id.
     pub(super) fn find(&self, id: JobId) -> Option<&Entry> {
         self.by_id.get(&id).and_then(|submission| self.jobs.get(submission))
     }
 
-    /// The virtual time of the [order], in microseconds; `None` without waiting and leased tasks.
+    /// The virtual time of the [order], in microseconds; `None` if there are no unfinished jobs.
     pub(super) fn virtual_time(&self) -> Option<i64> {
         let start = |(submission, number): (u64, u32)| {
             let entry = self.jobs.get(&submission)?;
@@ -94,7 +94,7 @@ impl State {
         self.jobs.insert(submission, entry);
     }
 
-    /// Forgets a job with its leases.
+    /// Removes a job and its leases.
     pub(super) fn remove(&mut self, submission: u64) {
         let Some(entry) = self.jobs.remove(&submission) else { return };
         let job = &entry.record.job;
@@ -112,7 +112,7 @@ impl State {
         }
     }
 
-    /// Sets the state of a task, and whether it waits or is leased.
+    /// Sets the state of a task, and updates the sets of waiting and leased tasks.
     pub(super) fn set(&mut self, submission: u64, number: u32, state: TaskState) {
         let Some(task) = self.jobs.get_mut(&submission).and_then(|entry| entry.tasks.get_mut(number as usize)) else {
             return;
@@ -128,7 +128,7 @@ impl State {
         }
     }
 
-    /// The task of a current lease, and its kind.
+    /// The task of a lease and its kind, if the lease is current.
     pub(super) fn current(&mut self, lease: &Lease) -> Result<(TaskKind, &mut Task), StaleLease> {
         let entry = self.jobs.get_mut(&lease.submission).ok_or(StaleLease)?;
         let kind = entry.kind(lease.task);
@@ -198,7 +198,7 @@ impl State {
         }
     }
 
-    /// Marks the job of a task to fail with the next write.
+    /// Marks the job of a task so that it fails with the next write.
     pub(super) fn doom(&mut self, submission: u64, task: u32, failure: Failure) {
         self.set(submission, task, TaskState::Blocked);
         self.doomed.push_back((submission, failure));
@@ -226,7 +226,7 @@ impl State {
         self.set(submission, assembly, TaskState::Blocked);
     }
 
-    /// At most [`MOST_FORGOTTEN`] ended jobs to forget.
+    /// Up to [`MOST_FORGOTTEN`] ended jobs that exceed the limits and should be removed.
     pub(super) fn forgettable(&self, limits: &Limits, now: Timestamp) -> Vec<u64> {
         let too_many = self.ended.len().saturating_sub(limits.most_ended.unwrap_or(usize::MAX));
         let is_old = |ended: Timestamp| {
@@ -251,7 +251,7 @@ impl State {
         (page.into_iter().map(|(_, entry)| entry.job()).collect(), next)
     }
 
-    /// The load.
+    /// The load of the queue.
     pub(super) fn statistics(&self) -> Statistics {
         let mut jobs = StateName::ALL.map(|name| (name, 0));
         for entry in self.jobs.values() {

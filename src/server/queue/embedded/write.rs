@@ -11,11 +11,11 @@ use crate::{
     store::{Batch, StoreError, Tree},
 };
 
-/// Proof that the caller holds the writer's lock.
+/// Proof that the caller has locked `writer`.
 pub(super) type Writer<'a> = MutexGuard<'a, ()>;
 
 impl EmbeddedQueue {
-    /// Stores a new job, or an ended one again. Forgets old jobs.
+    /// Stores a new job, or queues an ended job again. Also removes old jobs.
     pub(super) fn store_new(&self, _writer: &Writer<'_>, new: NewJob) -> Result<Job, StoreError> {
         let now = (self.clock.wall)();
         let id = JobId::of_recipe(&new.recipe_digest);
@@ -145,7 +145,7 @@ impl EmbeddedQueue {
         Ok(job)
     }
 
-    /// Writes the failures of doomed jobs.
+    /// Stores the failures of doomed jobs.
     pub(super) fn fail_doomed(&self) -> Result<(), StoreError> {
         if self.state().doomed.is_empty() {
             return Ok(());

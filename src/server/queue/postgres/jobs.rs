@@ -1,4 +1,4 @@
-//! Rows of jobs: read jobs, and end a job.
+//! Reads the rows of jobs, and ends jobs.
 
 use deadpool_postgres::{GenericClient, Transaction};
 use jiff::Timestamp;
@@ -26,7 +26,7 @@ const SELECT: &str = "
             AS attempts
     FROM ltcforge.jobs WHERE ";
 
-/// Ends a job. `$1` submission, `$2` state, `$3` table, `$4` failure, `$5` who cancels it.
+/// Ends a job. `$1` submission, `$2` state, `$3` table, `$4` failure, `$5` the name of the token that cancels the job.
 const END: &str = "
     UPDATE ltcforge.jobs AS j SET state = $2, table_digest = $3, failure = $4, cancelled_by = $5,
         finished_at = ltcforge.clock(),
@@ -95,7 +95,7 @@ pub(super) async fn select(
     client.query(&statement, parameters).await?.iter().map(job).collect()
 }
 
-/// Locks an unfinished job; `None` if it has ended.
+/// Locks the row of an unfinished job. `None` if the job has ended.
 pub(super) async fn lock_open(client: &Transaction<'_>, submission: i64) -> Result<Option<()>, tokio_postgres::Error> {
     let open = "SELECT FROM ltcforge.jobs WHERE submission = $1 AND state IN ('queued', 'running') FOR UPDATE";
     Ok(client.query_opt(&client.prepare_cached(open).await?, &[&submission]).await?.map(drop))
@@ -111,7 +111,7 @@ pub(super) async fn end(
     let (table, failure) = match state {
         JobState::Done { table } => (Some(table.as_bytes().as_slice()), None),
         JobState::Failed { error } => {
-            // PostgreSQL does not allow NUL in a text, so the error is stored as JSON, which escapes it.
+            // PostgreSQL does not allow NUL characters in a text. JSON escapes them, so the error is stored as JSON.
             (None, Some(serde_json::to_string(error).map_err(|error| damaged(&error.to_string()))?))
         }
         _ => (None, None),

@@ -1,7 +1,7 @@
-//! The queue in PostgreSQL, which any number of processes share.
+//! The queue in PostgreSQL. Any number of processes can share it.
 //!
-//! Invariant: leases expire by the database's clock alone. A transaction that locks the row of a job does so before it
-//! locks rows of its tasks.
+//! Invariant: only the database's clock determines when leases expire. A transaction that locks the row of a job does
+//! so before it locks the rows of the job's tasks.
 
 mod jobs;
 mod results;
@@ -24,7 +24,7 @@ use super::{
 use crate::store::{Batch, Database, StoreError};
 use ltcforge_files::digest::Digest;
 
-/// The pause between two questions whether a task waits.
+/// The pause between two queries for waiting tasks.
 const ASK: Duration = Duration::from_millis(500);
 
 /// A queue in a PostgreSQL database.
@@ -32,7 +32,7 @@ const ASK: Duration = Duration::from_millis(500);
 pub struct PostgresQueue {
     database: Arc<Database>,
     limits: Limits,
-    /// The version of this process's fitter. Jobs of other versions are left to other workers.
+    /// The fitter version of this process. It leases no tasks of jobs with another version.
     fitter: i32,
     is_closed: Mutex<bool>,
     closed: Condvar,
@@ -41,7 +41,7 @@ pub struct PostgresQueue {
 }
 
 impl PostgresQueue {
-    /// The queue in `database`. It leases tasks of jobs of this version of the fitter.
+    /// The queue in `database`. It leases only tasks of jobs with the version `fitter`.
     #[must_use]
     pub fn new(database: Arc<Database>, limits: Limits, fitter: u32) -> Self {
         Self {
@@ -138,7 +138,7 @@ impl Queue for PostgresQueue {
 
     fn list(&self, wanted: Option<StateName>, before: Option<u64>, limit: usize) -> Result<JobPage, StoreError> {
         let before = before.map_or(i64::MAX, |before| i64::try_from(before).unwrap_or(i64::MAX));
-        // One more row shows whether there is a next page.
+        // One extra row shows whether there is a next page.
         let one_more = i64::try_from(limit).unwrap_or(i64::MAX).saturating_add(1);
         let mut page = match wanted {
             None => self.jobs("submission < $1 ORDER BY submission DESC LIMIT $2", &[&before, &one_more])?,
@@ -179,7 +179,7 @@ impl Queue for PostgresQueue {
         (self.expired.load(Ordering::Relaxed), self.failed.load(Ordering::Relaxed))
     }
 
-    /// Other processes change the queue too: this asks again soon rather than waiting for them.
+    /// Returns after `ASK` at the latest, because other processes change the queue without notifying this one.
     fn wait(&self, most: Duration) -> bool {
         let is_closed = self.is_closed.lock().unwrap_or_else(PoisonError::into_inner);
         let waited = self.closed.wait_timeout_while(is_closed, most.min(ASK), |is_closed| !*is_closed);

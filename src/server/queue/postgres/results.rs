@@ -9,11 +9,11 @@ use crate::{
 };
 use ltcforge_files::digest::Digest;
 
-/// Results per read.
+/// Number of results that are read at a time.
 const PAGE: i32 = 256;
 
-/// Stores results. A result that is already stored under the same lease is accepted too: the response to the first try
-/// was lost.
+/// Stores results. A result that is already stored under the same lease is accepted again, because the response to the
+/// first attempt may have been lost.
 const COMPLETE: &str = "
     UPDATE ltcforge.tasks AS t SET state = 'finished', result = g.result, lease_until = NULL
     FROM (
@@ -26,7 +26,8 @@ const COMPLETE: &str = "
         AND (t.state = 'leased' OR t.state = 'finished' AND t.result = g.result)
     RETURNING g.n - 1";
 
-/// Sets assemblies to waiting. It runs after the commit of a shard, so the last shard sees that all others are finished.
+/// Sets assemblies to waiting. This runs after shards are committed, so the worker that finishes the last shard sees
+/// that all shards are finished.
 const UNBLOCK: &str = "
     UPDATE ltcforge.tasks AS t SET state = 'waiting' WHERE t.submission = ANY ($1) AND t.state = 'blocked' AND NOT EXISTS (
         SELECT FROM ltcforge.tasks AS s
@@ -37,7 +38,7 @@ const RESULTS: &str = "
     SELECT task, result FROM ltcforge.tasks
     WHERE submission = $1 AND task >= $2 AND task < $3 AND state = 'finished' AND result IS NOT NULL ORDER BY task";
 
-/// Sets lost shards back to waiting. `$2` lost shards, `$3` the assembly.
+/// Sets lost shards back to waiting. `$1` submission, `$2` lost shards, `$3` the assembly.
 const LOSE: &str = "
     UPDATE ltcforge.tasks SET state = CASE WHEN is_assembly THEN 'blocked' ELSE 'waiting' END, result = NULL,
         lease_until = NULL, lease = NULL
@@ -113,7 +114,7 @@ impl PostgresQueue {
         let is_done = self.database.run(async |client| {
             let transaction = client.transaction().await?;
             if jobs::lock_open(&transaction, submission).await?.is_none() {
-                // The response to an earlier try may have been lost.
+                // The response to an earlier attempt may have been lost.
                 let done = "SELECT FROM ltcforge.jobs WHERE submission = $1 AND table_digest = $2";
                 let done = transaction.prepare_cached(done).await?;
                 return Ok(transaction.query_opt(&done, &[&submission, &table.as_bytes().as_slice()]).await?.is_some());

@@ -1,4 +1,4 @@
-//! Submitting jobs, and forgetting those that ended long ago.
+//! Submits jobs, and removes jobs that ended long ago.
 
 use deadpool_postgres::Transaction;
 
@@ -9,7 +9,7 @@ use crate::{
 };
 use ltcforge_files::digest::Digest;
 
-/// Jobs that one submission forgets, at most.
+/// Maximum number of ended jobs that one submission removes.
 const MOST_FORGOTTEN: i64 = 256;
 
 const INSERT: &str = "
@@ -18,7 +18,7 @@ const INSERT: &str = "
     VALUES ($1, $2, $3, $4, $5, $6, 'queued', ltcforge.clock(), $7)
     ON CONFLICT (id) DO NOTHING RETURNING submission";
 
-/// `$1` the old submission. Its finished shards get the new one by the foreign key.
+/// Queues an ended job again. `$1` the old submission. The foreign key updates the submission of its finished shards.
 const AGAIN: &str = "
     UPDATE ltcforge.jobs SET submission = nextval('ltcforge.submissions'), fitter = $2, shards_digest = $3,
         entries_total = $4, submitted_by = $5, state = 'queued', created_at = ltcforge.clock(), table_digest = NULL,
@@ -31,7 +31,7 @@ const TASKS: &str = "
     FROM unnest($3::integer[], $4::bigint[], $5::integer[], $6::double precision[], $7::text[])
         AS t (task, tag, entries, seconds, state)";
 
-/// The time and the virtual time, in microseconds. The base of a job is the start of its first shard.
+/// Selects the time and the virtual time, in microseconds. The base of a job is the start of its first shard.
 const TIMES: &str = "
     SELECT (extract(epoch FROM ltcforge.clock()) * 1e6)::bigint, greatest(coalesce(
         (SELECT max(tag - (seconds * 1e6)::bigint) FROM ltcforge.tasks WHERE state = 'leased' AND fitter = $1),
@@ -41,7 +41,8 @@ const TIMES: &str = "
         JOIN ltcforge.tasks AS t ON t.submission = j.submission AND t.task = 0
         WHERE j.state IN ('queued', 'running') AND j.fitter = $1))";
 
-/// `$1` seconds or NULL, `$2` jobs or NULL, `$3` jobs at most.
+/// Removes ended jobs. `$1` seconds to keep them or NULL, `$2` number of jobs to keep or NULL, `$3` maximum number to
+/// remove by each rule.
 const FORGET: &str = "
     DELETE FROM ltcforge.jobs WHERE submission IN (
         (SELECT submission FROM ltcforge.jobs WHERE finished_at < ltcforge.clock() - make_interval(secs => $1)
@@ -51,7 +52,7 @@ const FORGET: &str = "
             ORDER BY finished_at DESC OFFSET coalesce($2, 0) LIMIT $3)
     )";
 
-/// The digest of the entries of all shards.
+/// The digest of the numbers of entries of all shards.
 fn shards_digest(new: &NewJob) -> Digest {
     let entries: Vec<u8> = new.shards.iter().flat_map(|shard| shard.entries.to_be_bytes()).collect();
     Digest::of(&entries)
@@ -65,7 +66,7 @@ enum Outcome {
 }
 
 impl PostgresQueue {
-    /// Forgets jobs that ended long ago.
+    /// Removes jobs that ended long ago.
     pub(super) fn forget(&self) -> Result<(), StoreError> {
         let keep = self.limits.keep_ended.map(|keep| keep.as_secs_f64());
         let most = self.limits.most_ended.map(|most| i64::try_from(most).unwrap_or(i64::MAX));
@@ -78,7 +79,7 @@ impl PostgresQueue {
         })
     }
 
-    /// Stores a job that is unknown or has ended. One that is done is queued again if its table is `missing`.
+    /// Stores a job that is unknown or has ended. A job that is done is queued again if its table is `missing`.
     pub(super) fn store_new(&self, new: &NewJob, missing: Option<Digest>) -> Result<Submitted, QueueError> {
         let id = JobId::of_recipe(&new.recipe_digest);
         let key = id.as_bytes().as_slice();
@@ -92,7 +93,7 @@ impl PostgresQueue {
             let known = jobs::select(&transaction, "id = $1", &[&key]).await?.pop();
             let outcome = match known {
                 Some((_, job)) if !job.state.name().is_final() => Outcome::Joined,
-                // Another process has finished it since its table was looked up.
+                // Another process has finished the job since its table was looked up.
                 Some((_, Job { state: JobState::Done { table }, .. })) if Some(table) != missing => Outcome::Joined,
                 _ if is_full => Outcome::Full,
                 Some((submission, _)) => {
@@ -100,7 +101,7 @@ impl PostgresQueue {
                     Outcome::New
                 }
                 None if self.insert(&transaction, new, None).await? => Outcome::New,
-                // Another process has just submitted it.
+                // Another process has just submitted the job.
                 None => Outcome::Joined,
             };
             let job = jobs::select(&transaction, "id = $1", &[&key]).await?.pop();
@@ -118,7 +119,7 @@ impl PostgresQueue {
         }
     }
 
-    /// Inserts a job and its tasks, or queues the submission `old` again. Returns whether there is no such job yet.
+    /// Inserts a job and its tasks, or queues the submission `old` again. Returns `false` if the job exists already.
     async fn insert(&self, transaction: &Transaction<'_>, new: &NewJob, old: Option<i64>) -> Result<bool, StoreError> {
         let (recipe_digest, shards_digest) = (new.recipe_digest.as_bytes().as_slice(), shards_digest(new));
         let shards_digest = shards_digest.as_bytes().as_slice();

@@ -1,4 +1,4 @@
-//! Leases of tasks, and tasks that are put back.
+//! Leases tasks, and sets tasks back to waiting.
 
 use std::{num::NonZeroUsize, sync::atomic::Ordering};
 
@@ -13,8 +13,8 @@ use crate::{
     store::StoreError,
 };
 
-/// `$1` the fitter, `$2` tasks at most, `$3` seconds. The number of a lease is random: after a database was restored, an old
-/// lease is not taken for a new one.
+/// Leases tasks. `$1` the fitter, `$2` maximum number of tasks, `$3` seconds. Lease numbers are random, so that after a
+/// database is restored, an old lease does not match a new lease.
 const LEASE: &str = "
     WITH first AS MATERIALIZED (
         SELECT submission, task FROM ltcforge.tasks WHERE state = 'waiting' AND fitter = $1
@@ -46,10 +46,10 @@ const EXPIRE: &str = "
     FROM expired AS e WHERE t.submission = e.submission AND t.task = e.task
     RETURNING t.submission, t.task, t.is_assembly, t.leases";
 
-/// The last shard's worker may have ended before it did this.
+/// Selects jobs with a blocked assembly. The worker of the last shard may have ended before it unblocked the assembly.
 const BLOCKED: &str = "SELECT submission FROM ltcforge.tasks WHERE state = 'blocked'";
 
-/// `$4` is whether the worker reports a failure.
+/// Sets a leased task back to waiting. `$4` is true if the worker reports a failure.
 const PUT_BACK: &str = "
     UPDATE ltcforge.tasks SET state = 'waiting', lease_until = NULL, entries_reported = 0,
         leases = leases - CASE WHEN $4 THEN 0 ELSE 1 END, failures = failures + CASE WHEN $4 THEN 1 ELSE 0 END
@@ -112,7 +112,8 @@ impl PostgresQueue {
         Ok(answers)
     }
 
-    /// Puts tasks back whose lease has expired, of any process, and fails jobs whose task was leased too often.
+    /// Sets tasks back to waiting if their lease has expired, for all processes. Fails jobs whose task was leased too
+    /// often.
     pub(super) fn put_back_expired(&self) -> Result<(), StoreError> {
         let expired = self.database.run(async |client| {
             let blocked = client.query(&client.prepare_cached(BLOCKED).await?, &[]).await?;
@@ -133,7 +134,8 @@ impl PostgresQueue {
         Ok(())
     }
 
-    /// Puts a leased task back, with the error that its worker reports. Its job fails if that was too often.
+    /// Sets a leased task back to waiting, with the error that its worker reports. After too many leases or failures,
+    /// the job fails.
     pub(super) fn put_back(&self, lease: &Lease, error: Option<&str>) -> Result<(), LeaseError> {
         let (submission, task, number) = Self::fence(lease);
         let is_failure = error.is_some();
@@ -162,7 +164,7 @@ impl PostgresQueue {
         if is_put_back { Ok(()) } else { Err(StaleLease.into()) }
     }
 
-    /// Whether a lease is the assembly's; `None` if it is not current.
+    /// Whether a lease is for the assembly. `None` if the lease is not current.
     pub(super) async fn current(
         client: &impl GenericClient,
         lease: &Lease,
@@ -172,13 +174,13 @@ impl PostgresQueue {
         Ok(client.query_opt(&current, &[&submission, &task, &number]).await?.map(|row| row.get(0)))
     }
 
-    /// Fails the job of a current lease.
+    /// Fails the job of a lease, if the lease is current.
     pub(super) fn abort(&self, lease: &Lease, failure: &Failure) -> Result<(), LeaseError> {
         let (submission, ..) = Self::fence(lease);
         if self.fail(submission, Some(lease), failure)? { Ok(()) } else { Err(StaleLease.into()) }
     }
 
-    /// Fails an unfinished job, if `lease` is `None` or current.
+    /// Fails an unfinished job, unless `lease` is given and is not current. Returns whether the job failed.
     fn fail(&self, submission: i64, lease: Option<&Lease>, failure: &Failure) -> Result<bool, StoreError> {
         let is_failed = self.database.run(async |client| {
             let transaction = client.transaction().await?;

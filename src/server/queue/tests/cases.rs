@@ -1,4 +1,4 @@
-//! Single cases for all queues.
+//! Test cases for both queues.
 
 use std::{collections::BTreeMap, time::Duration};
 
@@ -60,7 +60,7 @@ pub(super) fn under_an_endless_flood_of_small_jobs_a_long_one_goes_on<W: World>(
     let long = submit(world.queue(), new_job("long", 10, 0.2));
     let (mut leases, mut flood) = (0, 0);
     while leases < 3 {
-        // New jobs arrive faster than one worker can fit them, because each takes two leases.
+        // New jobs arrive faster than one worker can fit them, because each job takes two leases.
         flood += 1;
         submit(world.queue(), new_job(&format!("small {flood}"), 1, 0.01));
         world.pass(1);

@@ -1,4 +1,4 @@
-//! Compares random histories of a queue with a simple model. The number of a history is its seed.
+//! Compares random histories of a queue with a simple model. Each history is generated from its number, the seed.
 
 use std::env;
 
@@ -25,15 +25,15 @@ const MODEL_LIMITS: Limits = Limits { jobs: 2, ..LIMITS };
 
 #[derive(Debug, Clone)]
 enum Action {
-    /// Submit a recipe. The flag says whether the table of a done job is still stored.
+    /// Submit a recipe. The flag is true if the table of a done job is still stored.
     Submit(u8, bool),
     Cancel(u8),
     Lease(usize),
-    /// Deliver a result under a lease, current or stale.
+    /// Deliver a result under a current or stale lease.
     Deliver(Index),
     Fail(Index),
     GiveBack(Index),
-    /// Renew a lease with one finished entry, which also ends expired leases.
+    /// Renew a lease with one finished entry. This also ends expired leases.
     Renew(Index),
     Pass(i64),
     Restart,
@@ -296,7 +296,7 @@ impl Model {
         Ok(())
     }
 
-    /// Compares all jobs, the depth and the stored results of queue and model.
+    /// Checks that queue and model agree on all jobs, the depth and the stored results.
     fn agree<W: World>(&self, world: &W) -> Result<(), TestCaseError> {
         let (mut depth, mut results) = (Depth::default(), 0);
         for (n, wanted) in (0..RECIPES).zip(&self.jobs) {
@@ -333,7 +333,7 @@ fn agrees<W: World>(mut world: W, actions: &[Action]) -> Result<(), TestCaseErro
     actions.iter().try_for_each(|action| model.act(&mut world, action, false))
 }
 
-/// A number in the environment.
+/// The number in an environment variable.
 fn number(name: &str) -> Option<u64> {
     env::var(name).ok().map(|text| text.parse().unwrap_or_else(|_| panic!("{name} must be a number, got {text}")))
 }

@@ -26,9 +26,9 @@ pub(super) const LIMITS: Limits =
 pub(super) trait World: Sized {
     /// Number of random histories in every test run.
     const HISTORIES: u64;
-    /// The part of `LTCFORGE_TEST_HISTORIES` for this world.
+    /// The divisor of `LTCFORGE_TEST_HISTORIES` for this world.
     const PART: u64;
-    /// Whether leases outlive the process.
+    /// Whether leases survive a restart of the process.
     const LEASES_SURVIVE: bool;
 
     /// An empty queue. Prints a message and returns `None` if a dependency is missing.
@@ -36,9 +36,9 @@ pub(super) trait World: Sized {
     fn queue(&self) -> &dyn Queue;
     /// Advances the clocks by seconds.
     fn pass(&self, seconds: i64);
-    /// Simulates a killed process: another one opens its data.
+    /// Simulates a killed process: a new process opens the same data.
     fn restart(&mut self, limits: Limits);
-    /// Makes the disk full, so that nothing can be written. Returns `false` if the world cannot do this.
+    /// Makes the disk full, so that nothing can be written. Returns `false` if this kind of queue cannot simulate it.
     fn fill(&self, is_full: bool) -> bool;
     /// Number of stored results.
     fn results(&self) -> usize;
@@ -102,11 +102,11 @@ impl World for EmbeddedWorld {
     }
 }
 
-/// The queue in PostgreSQL, with a database per thread.
+/// The queue in PostgreSQL. Each thread has its own database.
 #[cfg(feature = "cluster")]
 pub(super) struct PostgresWorld {
     database: Arc<crate::store::Database>,
-    /// The queues of two processes, which act in turn.
+    /// The queues of two processes, which are used alternately.
     queues: [crate::queue::PostgresQueue; 2],
     turn: std::sync::atomic::AtomicUsize,
 }
@@ -181,7 +181,7 @@ pub(super) fn new_job(name: &str, shards: usize, seconds: f64) -> NewJob {
     }
 }
 
-/// Submits a new job, or an ended one again.
+/// Submits a new job, or an ended job again.
 #[track_caller]
 pub(super) fn submit(queue: &dyn Queue, new: NewJob) -> JobId {
     match queue.submit(new, &|_| false) {

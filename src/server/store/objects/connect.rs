@@ -10,23 +10,23 @@ use object_store::{
 
 use crate::store::{ConnectError, certificates};
 
-/// Time limit for retries of a request.
+/// Time limit for a request with its retries, and for connecting.
 const RETRY: Duration = Duration::from_secs(8);
 /// Timeout until the first byte of a response, and between two reads. A large response may take longer in total.
 const READ_TIMEOUT: Duration = Duration::from_secs(30);
 
-/// Environment variables that may contain URLs of stores.
+/// Environment variables that may contain the URL of an object store.
 const ENDPOINTS: [&str; 5] =
     ["AWS_ENDPOINT", "AWS_ENDPOINT_URL", "AWS_ENDPOINT_URL_S3", "AZURE_STORAGE_ENDPOINT", "GOOGLE_BASE_URL"];
 
-/// A hint about the variables with credentials.
+/// The environment variables for credentials, for error messages.
 const SETTINGS: &str = "s3:// needs AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY, or the machine's role; gs:// needs \
     GOOGLE_SERVICE_ACCOUNT; az:// needs AZURE_STORAGE_ACCOUNT_NAME and AZURE_STORAGE_ACCOUNT_KEY";
 
-/// Parts of metadata addresses in clouds. A client without credentials requests the machine's role there.
+/// Parts of the URLs of cloud metadata services. A client without credentials requests the machine's role there.
 const METADATA: [&str; 3] = ["/latest/api/token", "/computeMetadata/", "/metadata/identity/"];
 
-/// The object for testing whether the store can be written.
+/// The name of the object that tests whether the store can be written.
 const MARK: &str = "ltcforge";
 
 /// Installs the cryptography provider for reqwest.
@@ -35,12 +35,12 @@ pub(super) fn install_crypto() {
     let _ = rustls::crypto::ring::default_provider().install_default();
 }
 
-/// The error of a missing setting.
+/// The error for a missing setting.
 pub(super) fn lacking(url: &str, reason: &str) -> ConnectError {
     ConnectError(format!("the environment lacks settings for {url}: {reason}"))
 }
 
-/// Connects to the store of `url`. Reads credentials from the environment, from the same variables as the provider's
+/// Connects to the object store at `url`. Reads credentials from the same environment variables as the cloud provider's
 /// tools.
 pub(super) fn connect(url: &str) -> Result<(Arc<dyn ObjectStore>, Path), ConnectError> {
     let bad = |url: &str, reason: &str| {
@@ -63,12 +63,12 @@ pub(super) fn connect(url: &str) -> Result<(Arc<dyn ObjectStore>, Path), Connect
         has_plain_endpoint |= endpoint.scheme() == "http";
         if !endpoint.username().is_empty() || endpoint.password().is_some() {
             return Err(ConnectError(format!(
-                "the environment variable {name} has a user or a password, which errors would show; use the variables for credentials"
+                "the environment variable {name} has a user or a password, which errors would show; use the credential variables"
             )));
         }
         if endpoint.scheme() == "http" && scheme == ObjectStoreScheme::AmazonS3 && name.starts_with("AWS") && !is_plain
         {
-            return Err(lacking(url, &format!("{name} has a URL with http://, which needs AWS_ALLOW_HTTP=true")));
+            return Err(lacking(url, &format!("{name} is an http:// URL, which needs AWS_ALLOW_HTTP=true")));
         }
     }
     if !has_plain_endpoint {
@@ -93,7 +93,7 @@ pub(super) fn connect(url: &str) -> Result<(Arc<dyn ObjectStore>, Path), Connect
     }
 }
 
-/// Checks that the store can be read, or written if `writes`.
+/// Checks that the store can be read, or if `writes`, that it can be written.
 pub(super) async fn probe(store: &dyn ObjectStore, prefix: &Path, url: &str, writes: bool) -> Result<(), ConnectError> {
     let (verb, done) = if writes {
         let mark = prefix.clone().join(MARK);
@@ -117,7 +117,7 @@ pub(super) async fn probe(store: &dyn ObjectStore, prefix: &Path, url: &str, wri
     })
 }
 
-/// The error in one line.
+/// The text of an error in one line.
 pub(super) fn text(error: &Error) -> String {
     error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
 }

@@ -32,17 +32,17 @@ const IDLE: Duration = Duration::from_secs(60);
 /// How long an operation is retried after its connection was lost.
 const RETRY: Duration = Duration::from_secs(5);
 
-/// The first and the longest pause between two tries.
+/// The first and the longest pause between two attempts.
 const PAUSES: (Duration, Duration) = (Duration::from_millis(20), Duration::from_millis(500));
 
-/// Settings of every connection. Every statement must use indexes, whatever the statistics and the arguments. It is
-/// planned once per connection. JIT is off, because compiling a statement takes longer than running it. The timeouts
-/// end statements and transactions of dead processes.
+/// Settings of every connection. They make every statement use indexes, independently of statistics and arguments. A
+/// statement is planned once per connection. JIT is off, because compiling a statement takes longer than running it.
+/// The timeouts end statements and transactions of dead processes.
 const SETTINGS: &str = "SET jit = off; SET enable_seqscan = off; SET enable_bitmapscan = off; SET enable_hashjoin = off; \
     SET enable_mergejoin = off; SET plan_cache_mode = force_generic_plan; SET client_connection_check_interval = 5000; \
     SET statement_timeout = 30000; SET idle_in_transaction_session_timeout = 60000";
 
-/// Selects the reason why the process cannot write; NULL if it can.
+/// Selects the reason why the process cannot write, or NULL if it can write.
 const FAULT: &str = "
     SELECT CASE WHEN current_setting('transaction_read_only') = 'on' THEN 'its transactions are read-only' ELSE (
         SELECT 'the role ' || current_user || ' may not write ' || string_agg(relname, ', ' ORDER BY relname)
@@ -55,8 +55,8 @@ const FAULT: &str = "
 
 const STRAY_AT: &str = "in the user and the password, write @ : / ? # as %40 %3A %2F %3F %23";
 
-/// Whether a URL has an `@` that does not end the user and the password. Parsers would read a part of the password as
-/// the host or the name, and errors would show it.
+/// Whether a URL has an `@` other than the `@` after the password. Parsers would take a part of the password for the
+/// host or the database name, and errors would show it.
 fn has_stray_at(url: &str) -> bool {
     let Some((_, rest)) = url.split_once("://") else { return false };
     let authority = rest.split(['/', '?', '#']).next().unwrap_or(rest);
@@ -68,7 +68,7 @@ pub struct Database {
     /// The threads that run the connections.
     threads: Threads,
     pool: Pool,
-    /// Host, port and name.
+    /// The name, host and port of the database, for messages.
     name: String,
 }
 
@@ -82,7 +82,7 @@ impl Database {
     /// The default maximum number of connections of a process.
     pub const CONNECTIONS: NonZeroUsize = NonZeroUsize::new(16).unwrap();
 
-    /// Connects to the database of `url` and updates its schema.
+    /// Connects to the database at `url` and updates its schema.
     ///
     /// # Errors
     /// The reason, as a text.
@@ -90,8 +90,8 @@ impl Database {
         Self::open_with(url, Self::CONNECTIONS)
     }
 
-    /// As [`Self::open`], with a maximum number of connections. One is enough, because no operation needs two at the
-    /// same time.
+    /// Like [`Self::open`], but with at most `connections` connections. One connection is enough, because no operation
+    /// needs two at the same time.
     ///
     /// # Errors
     /// The reason, as a text.
@@ -108,7 +108,7 @@ impl Database {
         if has_stray_at(url) {
             return Err(bad_url(STRAY_AT));
         }
-        // The error contains the name of a parameter, never its value.
+        // The parser's error contains names of parameters, but never their values.
         let mut config: Config = url.parse().map_err(|error: tokio_postgres::Error| bad_url(&failure::text(&error)))?;
         if config.get_hosts().is_empty() {
             return Err(bad_url("the host is missing"));
@@ -130,7 +130,7 @@ impl Database {
         let pool = pool.post_create(Hook::async_fn(|client: &mut ClientWrapper, _| {
             Box::pin(async { client.batch_execute(SETTINGS).await.map_err(HookError::Backend) })
         }));
-        // The most recently used connection is used next, so the others become idle.
+        // The most recently used connection is used first, so that the others become idle and are closed.
         let pool = pool.queue_mode(QueueMode::Lifo).build().map_err(failed)?;
         let idle = pool.clone();
         let close_idle = async move {
@@ -166,7 +166,7 @@ impl Database {
         }
     }
 
-    /// Runs `work` to its end on this thread.
+    /// Runs `work` to completion and blocks the calling thread until then.
     pub(crate) fn block_on<T>(&self, work: impl Future<Output = T>) -> T {
         self.threads.block_on(work)
     }
@@ -180,7 +180,7 @@ impl Database {
     }
 
     /// Runs `work` on a connection. If the connection is lost or transactions conflict, `work` is retried for some
-    /// seconds. Its transaction may already have been committed the first time.
+    /// seconds. The first attempt may already have committed its transaction.
     ///
     /// # Errors
     /// [`StoreError::Unavailable`] if `work` may succeed later, or the database's error.
@@ -201,14 +201,13 @@ impl Database {
         })
     }
 
-    /// Runs `work` once. A connection that does not respond in time is dropped, because it may never respond, and the
-    /// pool would reuse it.
+    /// Runs `work` once. If a connection does not respond in time, it is dropped, so that the pool does not reuse it.
     async fn tried<T>(
         &self,
         until: Instant,
         work: &impl AsyncFn(&mut Client) -> Result<T, StoreError>,
     ) -> Result<T, StoreError> {
-        let late = |_| StoreError::Unavailable(format!("{} does not answer in time", self.name));
+        let late = |_| StoreError::Unavailable(format!("{} does not respond in time", self.name));
         let mut client = timeout_at(until, self.client()).await.map_err(late)??;
         let done = timeout_at(until, work(&mut client)).await;
         if done.is_err() {
@@ -217,8 +216,8 @@ impl Database {
         done.map_err(late)?
     }
 
-    /// The reason why the database cannot be used now; `None` if it can. For example, it does not respond or cannot be
-    /// written.
+    /// The reason why the database cannot be used now, for example because it does not respond or cannot be written.
+    /// `None` if it can be used.
     pub(crate) fn fault(&self) -> Option<String> {
         let ask = async |client: &mut Client| {
             Ok(client.query_one(&client.prepare_cached(FAULT).await?, &[]).await?.get::<_, Option<String>>(0))

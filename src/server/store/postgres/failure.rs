@@ -1,4 +1,4 @@
-//! Errors of PostgreSQL, and which of them are temporary.
+//! Converts errors of PostgreSQL, and decides which errors are temporary.
 
 use std::{error::Error as _, fmt::Write as _, iter::successors};
 
@@ -12,11 +12,11 @@ impl From<Error> for ConnectError {
     }
 }
 
-/// Whether the same transaction may succeed if it is retried soon. Examples: the connection was lost, the server is
-/// starting or stopping or has no free connection, or two transactions conflicted.
+/// Whether a transaction may succeed if it is retried soon. Examples: the connection was lost, two transactions
+/// conflicted, or the server is starting, stopping or has no free connection.
 pub(super) fn is_temporary(error: &Error) -> bool {
     let Some(code) = error.code() else {
-        // The server did not respond. The connection failed, unless the client itself found the error.
+        // Without a code, the error is not from the server. It is temporary if the connection failed.
         return error.is_closed() || causes(error).any(<dyn std::error::Error + 'static>::is::<std::io::Error>);
     };
     let temporary = [
@@ -52,7 +52,7 @@ impl From<Error> for StoreError {
     }
 }
 
-/// The error in one line: the server's message if it has responded, otherwise all causes.
+/// The text of an error in one line: the server's message if there is one, otherwise the error with all its causes.
 pub(super) fn text(error: &Error) -> String {
     if let Some(answer) = error.as_db_error() {
         return answer.message().replace('\n', " ");

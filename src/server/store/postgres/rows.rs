@@ -1,4 +1,4 @@
-//! [`Rows`] in PostgreSQL, as keys and values in one table.
+//! [`Rows`] in PostgreSQL. One table contains all keys and values.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use deadpool_postgres::GenericClient;
 use super::Database;
 use crate::store::{Batch, Row, Rows, StoreError, Tree, seal};
 
-/// Rows in a table of PostgreSQL.
+/// Rows in a PostgreSQL table.
 #[derive(Debug)]
 pub struct PostgresRows {
     database: Arc<Database>,
@@ -31,7 +31,7 @@ impl PostgresRows {
 
 /// Applies a batch in the transaction of `client`.
 pub(crate) async fn apply(client: &impl GenericClient, batch: &Batch) -> Result<(), tokio_postgres::Error> {
-    // The order matters: the last change of a key wins.
+    // The order matters, because the last change of a key wins.
     for (tree, key, value) in &batch.changes {
         if let Some(value) = value {
             let put = "INSERT INTO ltcforge.rows (tree, key, value) VALUES ($1, $2, $3)
@@ -45,12 +45,12 @@ pub(crate) async fn apply(client: &impl GenericClient, batch: &Batch) -> Result<
     Ok(())
 }
 
-/// A shard's result with a hash in front of it, as it is stored in a task.
+/// Puts a hash in front of a shard's result, as it is stored in a task.
 pub(crate) fn seal_result(result: &[u8]) -> Vec<u8> {
     seal::seal(Tree::Results.name(), &[], result)
 }
 
-/// The inverse of [`seal_result`]; `None` when the hash does not match.
+/// The inverse of [`seal_result`]. `None` if the hash does not match.
 pub(crate) fn unseal_result(sealed: &[u8]) -> Option<Vec<u8>> {
     seal::unseal(Tree::Results.name(), &[], sealed)
 }

@@ -7,7 +7,7 @@ use std::sync::{
 
 use crate::store::{Batch, MemoryRows, Row, Rows, StoreError, Tree};
 
-/// Rows in memory that outlive their queue.
+/// Rows in memory. They outlive the queue that uses them.
 #[derive(Debug, Default, Clone)]
 pub(crate) struct PowerRows {
     pub(crate) rows: Arc<MemoryRows>,

@@ -1,34 +1,34 @@
 //! The bytes of a KTX2 file: header, level index, data format descriptor, keys and values, levels.
 //!
-//! Descriptor and level index are as `ktx validate` expects. The crate `ktx2_writer` is not used, because it brings
-//! BC6H compression and binaries of another compiler.
+//! `ktx validate` accepts the descriptor and the level index. The crate `ktx2_writer` is not used, because it adds BC6H
+//! compression and binaries from another compiler.
 
 use std::borrow::Cow;
 
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 
-/// The first bytes of each file.
+/// The magic number of a file.
 pub(crate) const IDENTIFIER: [u8; 12] = *b"\xABKTX 20\xBB\r\n\x1A\n";
 const HEADER_BYTES: usize = 80;
 const LEVEL_INDEX_BYTES: usize = 24;
 const SUPERCOMPRESSION_ZSTD: u32 = 2;
 
-/// Versions and models in the Khronos Data Format Specification 1.3.
+/// Versions and colour models from the Khronos Data Format Specification 1.3.
 const DESCRIPTOR_VERSION: u16 = 2;
 const MODEL_RGBSDA: u8 = 1;
 const PRIMARIES_UNSPECIFIED: u8 = 0;
 const TRANSFER_LINEAR: u8 = 1;
 
-/// A channel of a texel, as in a data format descriptor.
+/// A channel of a texel in a data format descriptor.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sample {
     /// The first bit.
     pub(crate) bit_offset: u16,
     /// The number of bits.
     pub(crate) bits: u8,
-    /// The channel and the flags of its numbers.
+    /// The channel number, with flags for its number type.
     pub(crate) channel: u8,
-    /// The numbers for the lower and the upper end of the range of values.
+    /// The encodings of the lower and the upper end of the range of values.
     pub(crate) range: [u32; 2],
 }
 
@@ -41,16 +41,16 @@ pub(crate) struct Ktx2File {
     pub(crate) number_bytes: usize,
     pub(crate) texel_bytes: usize,
     pub(crate) samples: Vec<Sample>,
-    /// Width, height, depth and layers of the first level; zero for a missing dimension.
+    /// Width, height, depth and layers of the first level. A missing dimension is zero.
     pub(crate) sizes: [u32; 4],
     /// The texels of each level, the largest level first.
     pub(crate) levels: Vec<Vec<u8>>,
-    /// Whether levels are compressed.
+    /// Whether the levels are compressed.
     pub(crate) zstd: bool,
 }
 
 impl Ktx2File {
-    /// The bytes of the file, with these keys and values, and the writer's name.
+    /// The bytes of the file, with these keys and values, and the name of the writer.
     ///
     /// # Errors
     /// The length of keys and values, if it is 4 GiB or more.
@@ -66,7 +66,7 @@ impl Ktx2File {
         let alignment = if self.zstd { 1 } else { lcm(self.texel_bytes, 4) };
         let mut places = vec![0; stored.len()];
         let mut end = key_values_at + key_values.len();
-        // The smallest level comes first.
+        // The file stores the smallest level first.
         for (place, level) in places.iter_mut().zip(&stored).rev() {
             *place = end.next_multiple_of(alignment);
             end = *place + level.len();
@@ -76,12 +76,12 @@ impl Ktx2File {
         file.extend(IDENTIFIER);
         words(&mut file, [self.vk_format, self.number_bytes as u32]);
         words(&mut file, self.sizes);
-        // The texture has one face.
+        // A texture that is not a cube map has one face.
         words(&mut file, [1, stored.len() as u32, if self.zstd { SUPERCOMPRESSION_ZSTD } else { 0 }]);
         let length = |bytes: usize| u32::try_from(bytes).map_err(|_| bytes);
         words(&mut file, [length(descriptor_at)?, length(descriptor.len())?]);
         words(&mut file, [length(key_values_at)?, length(key_values.len())?]);
-        // There is no global data of a supercompression.
+        // The file has no global data for supercompression.
         longs(&mut file, [0, 0]);
         for ((place, level), raw) in places.iter().zip(&stored).zip(&self.levels) {
             longs(&mut file, [*place, level.len(), raw.len()]);
@@ -100,7 +100,7 @@ impl Ktx2File {
         let block_bytes = 24 + 16 * self.samples.len();
         let mut block = Vec::new();
         words(&mut block, [4 + block_bytes as u32]);
-        // The vendor is Khronos, the type basic.
+        // The vendor is Khronos, and the descriptor type is basic.
         words(&mut block, [0]);
         block.extend(DESCRIPTOR_VERSION.to_le_bytes());
         block.extend((block_bytes as u16).to_le_bytes());
@@ -118,7 +118,7 @@ impl Ktx2File {
     }
 }
 
-/// Keys and values, which must be sorted by key. Each value ends in a zero.
+/// The keys and values, which must be sorted by key. A zero byte ends each value.
 fn key_values(mut pairs: Vec<(&str, String)>) -> Vec<u8> {
     pairs.sort_unstable();
     let mut bytes = Vec::new();

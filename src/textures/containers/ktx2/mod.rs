@@ -1,7 +1,7 @@
-//! KTX 2.0, the container of Khronos for textures [KTX File Format Specification 2.0.4].
+//! KTX 2.0, the texture container of Khronos [KTX File Format Specification 2.0.4].
 //!
-//! The crate writes 2D textures, arrays of 2D textures, and 3D textures, with one level, 16 or 32 bits a number, with
-//! or without zstd. Comments are under the key `ltcforge`, the names of channels under `ltcforge.channels`.
+//! Files have one level, 16 or 32 bits per number, and optional zstd compression. They hold 2D textures, arrays of 2D
+//! textures, and 3D textures. The key `ltcforge` holds the comments, and `ltcforge.channels` the names of the channels.
 
 mod file;
 
@@ -10,11 +10,11 @@ use super::rules::Stored;
 use crate::{about::About, file::TextureFileError};
 use ltcforge_fit::Precision;
 
-/// Channels in the Khronos Data Format Specification 1.3, and the flags of signed floats.
+/// Channel numbers from the Khronos Data Format Specification 1.3, and the flags for signed floats.
 const CHANNELS: [u8; 4] = [0, 1, 2, 15];
 const SIGNED_FLOAT: u8 = 0x80 | 0x40;
 
-/// The name in errors.
+/// The format's name in errors.
 const NAME: &str = "KTX2";
 
 /// The file of one texture.
@@ -25,7 +25,7 @@ pub(crate) fn encode(stored: &Stored<'_>, zstd: bool, about: &About) -> Result<V
         return Err(stored.unsupported(NAME, "layers", texture.layers.to_string(), "1 where depth is more than 1"));
     }
     let (channels, number_bytes) = (texture.channels.len(), rounded.number_bytes());
-    // A missing dimension is zero.
+    // KTX2 stores a missing dimension as zero.
     let none_if_one = |n: u32| if n == 1 { 0 } else { n };
     let file = Ktx2File {
         vk_format: vk_format(channels, rounded.precision),
@@ -50,7 +50,7 @@ pub(crate) fn vk_format(channels: usize, precision: Precision) -> u32 {
     first + step * (channels as u32 - 1)
 }
 
-/// Channels of signed floats with this many bytes, one after the other.
+/// The channels of a texel of signed floats, each with this many bytes.
 pub(crate) fn float_samples(channels: usize, number_bytes: usize) -> Vec<Sample> {
     let bits = 8 * number_bytes;
     let sample = |(i, channel): (usize, &u8)| Sample {

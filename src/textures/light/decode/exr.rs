@@ -1,5 +1,5 @@
-//! `OpenEXR`: channels R, G and B of the first part that has them, or Y of a grey picture. Alpha is left out, because
-//! colours are premultiplied. The data window is the picture.
+//! `OpenEXR`: channels R, G and B of the first part that has them, or Y of a grey picture. Alpha is ignored, because
+//! colours are premultiplied. The picture is the data window.
 
 use std::io::Cursor;
 
@@ -11,15 +11,15 @@ use ::exr::{
 
 use super::{Curve, Decoded, LightFileError, PictureFormat, Wanted, from_floats};
 
-/// Limits of bytes and attributes in all headers: the crate uses up to a kilobyte for each attribute.
+/// Limits for the bytes and attributes in all headers, because the crate uses up to a kilobyte per attribute.
 const MOST_HEADER_BYTES: usize = 1 << 22;
 const MOST_ATTRIBUTES: usize = 1 << 12;
 
-/// Checks the size of the headers before the crate reads them. An attribute is its name and its type, each followed by
-/// a zero, the length of its value, and the value. A zero ends a header. In a file with several parts, another zero
-/// ends the last header.
+/// Checks the size of the headers before the crate reads them. An attribute consists of its name, its type, the length
+/// of its value, and the value. A zero follows the name and the type. A zero ends a header. In a file with several
+/// parts, another zero follows the last header.
 fn check_headers(bytes: &[u8]) -> Result<(), String> {
-    let too_long = || format!("its headers have no end within {MOST_HEADER_BYTES} bytes");
+    let too_long = || format!("its headers are cut off, or longer than {MOST_HEADER_BYTES} bytes");
     let is_of_parts = bytes.get(5).is_some_and(|flags| flags & 0x10 != 0);
     let mut rest = bytes.get(8..bytes.len().min(MOST_HEADER_BYTES)).ok_or_else(too_long)?;
     let mut was_end = false;
@@ -68,7 +68,7 @@ pub(super) fn decode(bytes: &[u8], wanted: Wanted) -> Result<Decoded, LightFileE
     Ok(Decoded { size, curve, texels })
 }
 
-/// A size, and texels that are filled one by one.
+/// The size, and texels that are filled one by one.
 type Texels = ([usize; 2], Vec<[f32; 3]>);
 
 fn coloured(bytes: &[u8]) -> Result<Texels, Error> {

@@ -14,7 +14,7 @@ use ltcforge_light::textured::{ImageError, LightImage};
 
 use super::curve::{Curve, TransferFunction};
 
-/// The most pixels of a picture, and the most along a side.
+/// The largest number of pixels of a picture, and the largest number along a side.
 pub const MOST_PIXELS: u64 = 1 << 24;
 const MOST_ALONG: u64 = 1 << 14;
 
@@ -27,7 +27,7 @@ const RADIANCE_MAGICS: [&[u8]; 2] = [b"#?RADIANCE", b"#?RGBE"];
 named_list! {
     /// A format of image files.
     pub enum PictureFormat {
-        /// PNG of 1 to 16 bits a channel.
+        /// PNG with 1 to 16 bits per channel.
         Png = "PNG",
         /// `OpenEXR` with channels R, G and B, or Y.
         Exr = "OpenEXR",
@@ -50,7 +50,7 @@ impl PictureFormat {
 pub struct LightPicture {
     /// The format of the file.
     pub format: PictureFormat,
-    /// The curve with which its numbers were read.
+    /// The curve that decoded its numbers.
     pub curve: Curve,
     /// The picture.
     pub image: LightImage,
@@ -59,7 +59,7 @@ pub struct LightPicture {
 /// The file is not a picture of a light.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LightFileError {
-    /// The file begins like none of the formats.
+    /// The file does not start like any of the formats.
     #[error("this file is not a readable image; allowed: {}", PictureFormat::names())]
     Format,
     /// A side is zero, or there are too many pixels.
@@ -69,13 +69,13 @@ pub enum LightFileError {
         width: u64,
         /// The height in pixels.
         height: u64,
-        /// The number of pixels that is allowed.
+        /// The allowed number of pixels.
         most: u64,
     },
     /// The decoder returned an error.
     #[error("not a readable {} file: {reason}", .format.name())]
     Broken {
-        /// The format, from its first bytes.
+        /// The format that the first bytes indicate.
         format: PictureFormat,
         /// The message of the decoder.
         reason: String,
@@ -85,7 +85,7 @@ pub enum LightFileError {
         "the file's cICP chunk names transfer function {0}; 4 and 5 (powers), 8 (linear) and 13 (sRGB) are supported"
     )]
     Transfer(u8),
-    /// The texels are not light.
+    /// Texels are not valid radiance.
     #[error(transparent)]
     Texels(#[from] ImageError),
 }
@@ -104,8 +104,8 @@ struct Decoded {
 }
 
 impl LightPicture {
-    /// Reads a picture. Its first bytes select the format. Without `transfer`, numbers are linear in `OpenEXR` and
-    /// Radiance HDR, and sRGB in JPEG. In PNG they follow the file, and are sRGB if the file does not state a curve.
+    /// Decodes a picture. The first bytes select the format. Without `transfer`, numbers are linear in `OpenEXR` and
+    /// Radiance HDR, and sRGB in JPEG. In PNG the file states the curve, with sRGB as the default.
     ///
     /// # Errors
     /// The bytes are not an image, are damaged or too large, or a texel is negative or not finite.
@@ -113,7 +113,7 @@ impl LightPicture {
         Self::decode_within(bytes, transfer, MOST_PIXELS)
     }
 
-    /// Reads a picture of up to `most` pixels, and never more than [`MOST_PIXELS`].
+    /// Decodes a picture of up to `most` pixels, and never more than [`MOST_PIXELS`].
     ///
     /// # Errors
     /// Like [`Self::decode`].
@@ -135,17 +135,17 @@ impl LightPicture {
     }
 }
 
-/// The options of a caller.
+/// The caller's options.
 #[derive(Debug, Clone, Copy)]
 struct Wanted {
-    /// The curve of numbers; `None` to follow the file.
+    /// The curve of the numbers. `None` to follow the file.
     curve: Option<Curve>,
-    /// The most pixels.
+    /// The largest allowed number of pixels.
     most: u64,
 }
 
 impl Wanted {
-    /// Rejects large sizes before memory is allocated.
+    /// Rejects large sizes before it allocates memory.
     fn bounded(self, width: u64, height: u64) -> Result<[usize; 2], LightFileError> {
         let is_allowed = |side: u64| (1..=MOST_ALONG).contains(&side);
         if !is_allowed(width) || !is_allowed(height) || width * height > self.most {
@@ -155,13 +155,13 @@ impl Wanted {
     }
 }
 
-/// Texels of byte numbers, three by three.
+/// Texels from bytes, three bytes per texel.
 fn from_bytes(pixels: &[u8], curve: Curve) -> Vec<[f32; 3]> {
     let linear = curve.table(255);
     pixels.as_chunks::<3>().0.iter().map(|pixel| pixel.map(|x| linear[usize::from(x)])).collect()
 }
 
-/// Texels of numbers to which a curve is still applied.
+/// Applies a curve to float texels, in place.
 fn from_floats(texels: &mut [[f32; 3]], curve: Curve) {
     if curve != Curve::Linear {
         for number in texels.as_flattened_mut() {

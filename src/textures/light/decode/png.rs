@@ -1,4 +1,4 @@
-//! PNG. Transparent pixels emit less light: colour is multiplied by alpha.
+//! PNG. Colours are multiplied by alpha, because transparent pixels emit less light.
 
 use std::io::Cursor;
 
@@ -6,16 +6,16 @@ use ::png::{BitDepth, Decoder, DecodingError, Info, Limits, Transformations};
 
 use super::{Curve, Decoded, LightFileError, PictureFormat, Wanted};
 
-/// Bytes that the decoder may keep in addition to the picture.
+/// Bytes that the decoder may allocate in addition to the picture.
 const MOST_BYTES: usize = 1 << 26;
 
-/// The tolerance of a file gamma near 1 / 2.2, which means sRGB, and near 1, which means linear [PNG, section 11.3.2].
+/// The tolerance for a file gamma near 1 / 2.2, which means sRGB, or near 1, which means linear [PNG, section 11.3.2].
 const SAME_GAMMA: f64 = 1e-3;
 
 pub(super) fn decode(bytes: &[u8], wanted: Wanted) -> Result<Decoded, LightFileError> {
     let wrong = |error: DecodingError| LightFileError::broken(PictureFormat::Png, error);
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: MOST_BYTES });
-    // Text and ICC chunks are not used, and would take memory.
+    // Text and ICC chunks are not needed and would take memory.
     decoder.set_ignore_text_chunk(true);
     decoder.set_ignore_iccp_chunk(true);
     decoder.set_transformations(Transformations::EXPAND);
@@ -39,7 +39,7 @@ pub(super) fn decode(bytes: &[u8], wanted: Wanted) -> Result<Decoded, LightFileE
     Ok(Decoded { size, curve, texels })
 }
 
-/// Texels with one to four channels: grey or colour, with or without alpha.
+/// Texels from one to four channels: grey or colour, with or without alpha.
 fn texels<T: Copy + Into<usize>>(numbers: &[T], channels: usize, linear: &[f32]) -> Vec<[f32; 3]> {
     let largest = (linear.len() - 1) as f32;
     let texel = |pixel: &[T]| {
@@ -53,7 +53,7 @@ fn texels<T: Copy + Into<usize>>(numbers: &[T], channels: usize, linear: &[f32])
     numbers.chunks_exact(channels).map(texel).collect()
 }
 
-/// The curve that the file states: by chunk cICP, else sRGB, else gAMA [PNG, third edition, section 12.1].
+/// The curve that the file states, by the first of these chunks: cICP, sRGB, gAMA [PNG, third edition, section 12.1].
 fn stated_curve(info: &Info<'_>) -> Result<Curve, LightFileError> {
     if let Some(points) = &info.coding_independent_code_points {
         return match points.transfer_function {

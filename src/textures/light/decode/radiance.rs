@@ -1,7 +1,7 @@
-//! Radiance HDR: three bytes of colour and one of an exponent [Ward 1991]. EXPOSURE and COLORCORR are not applied.
+//! Radiance HDR: three bytes of colour and one byte for the exponent [Ward 1991]. EXPOSURE and COLORCORR are ignored.
 //!
-//! A scanline has run-length encoding for each component, or the older encoding of whole pixels. Scanlines run from
-//! left to right and from top to bottom; other orders are errors. The header is otherwise ignored.
+//! A scanline has run-length encoding per component, or the older encoding of whole pixels. Scanlines run from left to
+//! right and from top to bottom, and other orders are errors. Other header lines are ignored.
 
 use super::{Curve, Decoded, LightFileError, PictureFormat, Wanted, from_floats};
 
@@ -24,7 +24,7 @@ pub(super) fn decode(bytes: &[u8], wanted: Wanted) -> Result<Decoded, LightFileE
     Ok(Decoded { size, curve, texels })
 }
 
-/// Reads width and height. The rest after the header is left in `bytes`.
+/// Reads width and height. The bytes after the header remain in `bytes`.
 fn header<'a>(bytes: &mut &'a [u8]) -> Result<[u32; 2], &'static str> {
     let mut line = || -> Result<&'a [u8], &'static str> {
         let (line, rest) = bytes.split_at(bytes.iter().position(|byte| *byte == b'\n').ok_or("the header has no end")?);
@@ -46,13 +46,14 @@ fn header<'a>(bytes: &mut &'a [u8]) -> Result<[u32; 2], &'static str> {
     Ok([width.parse().map_err(|_| order)?, height.parse().map_err(|_| order)?])
 }
 
-/// Fills a scanline of at least one pixel. `None` if the bytes end, or a run goes past the end of the line.
+/// Fills a scanline of at least one pixel. `None` if the bytes end too early, or a run exceeds the line.
 fn scanline(bytes: &mut &[u8], line: &mut [Pixel]) -> Option<()> {
     let first: Pixel = take(bytes)?;
     if let [2, 2, 0..128, _] = first { components(bytes, line) } else { pixels(bytes, first, line) }
 }
 
-/// Reads each component: a length of up to 128 and as many bytes, or 128 plus a length and the byte to repeat.
+/// Reads each component. A run is a length of up to 128 and that many bytes, or 128 plus a length and the byte to
+/// repeat.
 fn components(bytes: &mut &[u8], line: &mut [Pixel]) -> Option<()> {
     for component in 0..4 {
         let mut at = 0;
@@ -73,8 +74,8 @@ fn components(bytes: &mut &[u8], line: &mut [Pixel]) -> Option<()> {
     Some(())
 }
 
-/// Reads whole pixels. A pixel of colour 1, 1, 1 repeats the previous pixel; its exponent is the number of times.
-/// Several such pixels in a row are digits to the base 256, lowest first.
+/// Reads whole pixels. A pixel of colour 1, 1, 1 repeats the previous pixel, and its exponent is the number of repeats.
+/// Several such pixels in a row are the digits of one number in base 256, the lowest digit first.
 fn pixels(bytes: &mut &[u8], first: Pixel, line: &mut [Pixel]) -> Option<()> {
     let (mut last, mut at, mut unit) = (first, 1, 1_usize);
     let is_run = |pixel: &Pixel| pixel.starts_with(&[1; 3]);
@@ -90,16 +91,16 @@ fn pixels(bytes: &mut &[u8], first: Pixel, line: &mut [Pixel]) -> Option<()> {
     Some(())
 }
 
-/// The next bytes.
+/// Takes the next bytes.
 fn take<const N: usize>(bytes: &mut &[u8]) -> Option<[u8; N]> {
     let (next, rest) = bytes.split_first_chunk()?;
     *bytes = rest;
     Some(*next)
 }
 
-/// c 2^(e - 136), exact in f32; zero for e = 0.
+/// The colour c 2^(e - 136), which is exact in f32. It is zero for e = 0.
 fn radiance([red, green, blue, exponent]: Pixel) -> [f32; 3] {
-    // 1023 is the bias of f64.
+    // 1023 is the exponent bias of f64.
     let scale = if exponent == 0 { 0.0 } else { f64::from_bits((u64::from(exponent) + 1023 - 136) << 52) };
     [red, green, blue].map(|byte| (f64::from(byte) * scale) as f32)
 }
@@ -114,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn a_byte_is_a_number_of_units_of_its_exponent() {
+    fn a_byte_is_a_multiple_of_the_step_of_its_exponent() {
         let least = 2.0_f32.powi(-126) / 512.0;
         for (pixel, expected) in [
             ([128, 64, 0, 129], [1.0, 0.5, 0.0]),
@@ -145,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn another_format_is_refused() {
+    fn another_format_is_rejected() {
         let bytes = b"#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n\x01\x02\x03\x04";
         let error = decode(bytes, Wanted { curve: None, most: 100 }).err().expect("a fault").to_string();
         assert!(error.contains("FORMAT is not 32-bit_rle_rgbe"), "{error}");

@@ -1,5 +1,5 @@
-//! The reference of any scattering model, by its own sampler and value. Shaders only have GGX, so this file has no
-//! twin.
+//! The reference for any scattering model, by the model's own sampling and evaluation. Shaders only have GGX, so this
+//! file has no twin.
 
 use glam::{DVec3, Vec2, Vec3};
 
@@ -19,7 +19,7 @@ fn unit_square(i: u32, seed: [u32; 2]) -> [f64; 2] {
 }
 
 /// The reflected light, for a Fresnel factor of one and weighted by Schlick's fifth power. It takes `samples`
-/// directions from the model and as many points of the light, weighted by the balance heuristic [Veach 1997], as in
+/// directions from the model and `samples` points of the light, weighted by the balance heuristic [Veach 1997], as in
 /// [`super::ggx::reference`].
 pub(super) fn reference(
     brdf: &BrdfModel,

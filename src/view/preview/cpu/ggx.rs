@@ -29,7 +29,7 @@ fn hash(key: u32) -> u32 {
     x ^ (x >> 16)
 }
 
-/// The seeds of a pixel's samples.
+/// Seeds for the samples of a pixel.
 pub(super) fn seeds(key: u32) -> [u32; 4] {
     const STEP: u32 = 0x9e37_79b9;
     let a = hash(key);
@@ -101,7 +101,8 @@ impl FrameLight {
         (direction, if self.faces(facing) { density } else { 0.0 })
     }
 
-    /// Whether only the light draws directions towards it: no direction from a lobe hits a line exactly.
+    /// Whether only points of the light give directions towards it, because no direction from a lobe hits a line
+    /// exactly.
     pub(super) fn is_line(&self) -> bool {
         matches!(self.shape, FrameShape::Line { .. })
     }
@@ -145,12 +146,12 @@ pub(super) struct ColouredParts {
 }
 
 impl ColouredParts {
-    /// Parts that are equal in all channels.
+    /// The same parts in all channels.
     pub(super) fn grey(parts: Vec2) -> Self {
         Self { all: Vec3::splat(parts.x), fresnel: Vec3::splat(parts.y) }
     }
 
-    /// Both parts of one colour.
+    /// The parts times a colour.
     pub(super) fn coloured(parts: Vec2, colour: Vec3) -> Self {
         Self { all: parts.x * colour, fresnel: parts.y * colour }
     }
@@ -164,7 +165,7 @@ impl ColouredParts {
     }
 }
 
-/// `colour` gives the colour of the light that arrives along a direction.
+/// The Monte Carlo reference. `colour` returns the colour of the light that arrives along a direction.
 pub(super) fn reference(
     at: &Shaded,
     light: &FrameLight,

@@ -1,4 +1,4 @@
-//! Twin of `ltc_light.wgsl`. [`Clip`] has the edges, and [`CosineSpace`] the other shapes.
+//! Twin of `ltc_light.wgsl`. The edges are in [`Clip`], and the other shapes in [`CosineSpace`].
 
 use glam::{Mat3, Vec3};
 
@@ -27,8 +27,8 @@ impl Inverse {
         Self { m: Mat3::from_cols(x * scale, y * scale, z * scale).transpose(), side }
     }
 
-    /// The part of the distribution that the light covers from `position`. `to_local` transforms into the tangent frame
-    /// there.
+    /// The part of the distribution that the light covers, as seen from `position`. `to_local` transforms into the
+    /// tangent frame at `position`.
     pub(super) fn covered(&self, light: &FrameLight, position: Vec3, to_local: Mat3) -> f32 {
         if !matches!(light.shape, FrameShape::Polygon) {
             return self.cosine_space(to_local).map_or(0.0, |space| shape_covered(&space, light, position));
@@ -44,7 +44,7 @@ impl Inverse {
         (if light.two_sided { covered.abs() } else { covered }).clamp(0.0, 1.0)
     }
 
-    /// [`Self::covered`] for the part of the distribution above the surface. Twin of `ltc_cut.wgsl` and
+    /// [`Self::covered`], but only for the part of the distribution above the surface. Twin of `ltc_cut.wgsl` and
     /// `ltc_cut_shapes.wgsl`.
     pub(super) fn covered_above(&self, light: &FrameLight, position: Vec3, to_local: Mat3) -> f32 {
         let Some(space) = self.cosine_space(Mat3::IDENTITY) else { return 0.0 };
@@ -65,8 +65,8 @@ impl Inverse {
         }
     }
 
-    /// The transform into the space of the clamped cosine, from the space that `to_local` transforms into the tangent
-    /// frame. `None` if nothing is lit. Twin of `ltc_shapes.wgsl`.
+    /// The transform into the space of the clamped cosine. It starts in the space that `to_local` transforms into the
+    /// tangent frame. `None` if nothing is lit. Twin of `ltc_shapes.wgsl`.
     pub(super) fn cosine_space(&self, to_local: Mat3) -> Option<CosineSpace<f32>> {
         let to_cosine = self.m * to_local;
         (self.side != 0.0).then(|| CosineSpace::new(to_cosine.transpose().to_cols_array_2d()))

@@ -64,7 +64,7 @@ pub(super) fn lookup(table: &ShaderTable, alpha_x: f32, alpha_y: f32, wo: Vec3) 
     lobe_at(table, alpha_x, alpha_y, wo, 0)
 }
 
-/// Both lobes of a table: the numbers of the first, and the matrix of the second.
+/// Both lobes of a table: all numbers of the first lobe, and the matrix of the second.
 pub(super) fn lookup_both(table: &ShaderTable, alpha_x: f32, alpha_y: f32, wo: Vec3) -> (ShaderNumbers, Mat3) {
     let second = lobe_at(table, alpha_x, alpha_y, wo, table.axes.reading[2] as usize);
     (lookup(table, alpha_x, alpha_y, wo), second.matrix)
@@ -77,7 +77,7 @@ pub(super) fn blend(first: &ShaderNumbers, second: Mat3, f0: f32, f90: f32) -> M
     first.matrix * (1.0 - w) + second * w
 }
 
-/// The number of the material that is nearest in `(sqrt(alpha), ratio)`: the loop of `ltc_place_materials`.
+/// The index of the nearest material in `(sqrt(alpha), ratio)`. Twin of the loop of `ltc_place_materials`.
 fn nearest_material(table: &ShaderTable, fold: &Fold) -> usize {
     let [materials, _, theta, phi] = table.axes.nodes.map(|n| n as usize);
     let beside = |material: usize, row: usize| table.texels[2][(material * theta + row) * phi][3];
@@ -89,7 +89,7 @@ fn nearest_material(table: &ShaderTable, fold: &Fold) -> usize {
     (0..materials).map(|material| (material, away(material))).fold((0, 1e30), nearer).0
 }
 
-/// The lobe whose texels begin at `layer`.
+/// The lobe whose texels start at `layer`.
 fn lobe_at(table: &ShaderTable, alpha_x: f32, alpha_y: f32, wo: Vec3, layer: usize) -> ShaderNumbers {
     let (axes, layout) = (&table.axes, table.layout);
     let fold = Fold::of(axes, alpha_x, alpha_y, wo);
@@ -128,7 +128,7 @@ mod tests {
     };
     use ltcforge_fit::{Configuration, Table, math::direction};
 
-    /// The tolerance of f32 numbers against f64 numbers. Numbers of matrices are of order one.
+    /// The tolerance for f32 against f64. Matrix elements are of order one.
     const F32: f64 = 1e-5;
 
     fn check(table: &Table, alpha_x: f64, alpha_y: f64, theta: f64, phi: f64) -> Result<(), TestCaseError> {
@@ -145,9 +145,9 @@ mod tests {
     }
 
     proptest! {
-        /// A shader fetches the numbers that `ltcforge lookup` prints, also outside a table's ranges.
+        /// A shader fetches the numbers that `ltcforge lookup` prints, even outside the table's ranges.
         #[test]
-        fn it_is_the_lookup_of_the_table(
+        fn it_equals_the_lookup_of_the_table(
             alpha_x in 1e-3..1.0, alpha_y in 1e-3..1.0, theta in 0.0..1.57, phi in -3.0..3.0,
         ) {
             check(&planted(), alpha_x, alpha_y, theta, phi)?;

@@ -2,9 +2,9 @@
 //!
 //! `lookup` is the twin of `ltc_table.wgsl`, `light` of `ltc_light.wgsl`, `ggx` of `ggx_reference.wgsl`, `solids` of
 //! `reference_solids.wgsl`, `textured` of `light_picture.wgsl` and `preview_textured.wgsl`, and `surface` of
-//! `sphere.wgsl`. `ltcforge_light` has the formulas, in f32, of models `normals`, `sg` and `asg`, and of a table's
-//! disks, spheres and tubes. The shaders have the comments. `any_brdf` has no shader: it is the reference of models
-//! other than GGX.
+//! `sphere.wgsl`. `ltcforge_light` has the formulas, in f32, of models `normals`, `sg` and `asg`, and of the light from
+//! disks, spheres and tubes by a table. Comments are in the shaders. `any_brdf` has no shader: it is the reference for
+//! models other than GGX.
 
 mod any_brdf;
 mod ggx;
@@ -22,7 +22,7 @@ pub(super) use self::surface::{covering, place_of_direction};
 
 use super::{Radiances, ShaderTable, estimator::Estimator, frame::Frame};
 
-/// Radiance of the `extent` pixels from `corner` on.
+/// Renders a part of the picture as radiance. `corner` is its upper left pixel, and `extent` its size.
 pub(super) fn render(
     frame: &Frame,
     table: &ShaderTable,
@@ -31,7 +31,7 @@ pub(super) fn render(
     extent: [u32; 2],
 ) -> Radiances {
     let [width, height] = extent;
-    // Pixels are parallel, not rows, so that even a part of one row uses all cores.
+    // The loop is parallel over pixels, not rows: even a part of one row uses all cores.
     let pixels = (0..width * height).into_par_iter().map(|index| {
         let [x, y] = [index % width, index / width];
         surface::pixel(frame, table, estimator, [corner[0] + x, corner[1] + y])
@@ -39,10 +39,10 @@ pub(super) fn render(
     Radiances { width, pixels: pixels.collect() }
 }
 
-/// Whether a table's nodes surround a roughness after the lookup folds it. Outside the nodes the lookup takes the
+/// Whether a table's nodes surround a roughness, after the lookup has folded it. Outside the nodes the lookup uses the
 /// nearest node.
 pub(super) fn covers(table: &ShaderTable, alpha_x: f32, alpha_y: f32) -> bool {
-    /// The relative rounding error of a quotient of f32 numbers that should equal a node.
+    /// The relative rounding error of an f32 quotient that should equal a node.
     const ROUNDING: f32 = 1e-6;
     let (x, y) = (alpha_x.max(lookup::LEAST_ALPHA), alpha_y.max(lookup::LEAST_ALPHA));
     let is_within =

@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 use crate::preview::frame::FrameShape;
 use ltcforge_fit::math::{atan2_upper, sin_cos_turns};
 
-/// sqrt(pi / (4 sin(pi / 4))) times the radius gives an octagon the area of its disk.
+/// An octagon with this circumradius has the area of the unit disk: sqrt(pi / (4 sin(pi / 4))).
 const OCTAGON: f32 = 1.053_907_4;
 
 fn basis(axis: Vec3) -> [Vec3; 2] {
@@ -15,7 +15,7 @@ fn basis(axis: Vec3) -> [Vec3; 2] {
     [x, axis.cross(x)]
 }
 
-/// The ends relative to the shaded point, and the radius or width.
+/// The ends, relative to the shaded point, and the radius or width.
 fn around(shape: &FrameShape, position: Vec3) -> ([Vec3; 2], f32) {
     match *shape {
         FrameShape::Tube { ends, radius } => (ends.map(|end| end - position), radius),
@@ -33,7 +33,7 @@ fn cap(sine2: f32) -> f32 {
     sine2 / (1.0 + (1.0 - sine2).max(0.0).sqrt())
 }
 
-/// The distance and the cosine at the surface of a tube.
+/// The distance to a tube, and the cosine at its surface.
 fn tube_hit([start, end]: [Vec3; 2], radius: f32, wi: Vec3) -> Option<(f32, f32)> {
     let along = end - start;
     let mut found: Option<(f32, f32)> = None;

@@ -52,10 +52,10 @@ pub(super) fn pixel(frame: &Frame, table: &ShaderTable, estimator: Estimator, at
     }
 }
 
-/// The cell whose surface covers a pixel, at least in part.
+/// The cell whose surface covers at least a part of a pixel.
 pub(in crate::preview) fn covering(frame: &Frame, pixel: [u32; 2]) -> Option<usize> {
     let (place, cell) = place_of(frame, pixel);
-    see(frame, place, cell).filter(|seen| !textured::covers(frame, place, seen.distance)).map(|_| cell as usize)
+    hit_at(frame, place, cell).filter(|hit| !textured::covers(frame, place, hit.distance)).map(|_| cell as usize)
 }
 
 fn place_of(frame: &Frame, pixel: [u32; 2]) -> (Vec2, u32) {
@@ -66,23 +66,23 @@ fn place_of(frame: &Frame, pixel: [u32; 2]) -> (Vec2, u32) {
 }
 
 fn surface(frame: &Frame, place: Vec2, cell: u32, shade: impl FnOnce(&Shaded) -> Vec3) -> [f32; 3] {
-    let seen = see(frame, place, cell);
-    let distance = seen.as_ref().map_or(FAR, |seen| seen.distance);
-    let radiance = seen.map_or(frame.background, |Seen { at, coverage, .. }| {
+    let hit = hit_at(frame, place, cell);
+    let distance = hit.as_ref().map_or(FAR, |hit| hit.distance);
+    let radiance = hit.map_or(frame.background, |Hit { at, coverage, .. }| {
         frame.background * (1.0 - coverage) + shade(&at) * coverage
     });
     let (light, covered) = textured::light_in(frame, place, distance);
     ((1.0 - covered) * radiance + light).to_array()
 }
 
-/// A point of the surface, its share of the pixel, and its distance.
-struct Seen {
+/// A visible point of the surface, the share of the pixel that it covers, and its distance.
+struct Hit {
     at: Shaded,
     coverage: f32,
     distance: f32,
 }
 
-fn see(frame: &Frame, place: Vec2, cell: u32) -> Option<Seen> {
+fn hit_at(frame: &Frame, place: Vec2, cell: u32) -> Option<Hit> {
     let material = frame.material(cell)?;
     let ray = (frame.forward + frame.right * place.x + frame.up * place.y).normalize();
     let eye = frame.eye;
@@ -119,7 +119,7 @@ fn see(frame: &Frame, place: Vec2, cell: u32) -> Option<Seen> {
     let view = (eye - position).normalize();
     let wo = Vec3::new(view.dot(x), view.dot(y), view.dot(normal).max(LOWEST_VIEW)).normalize();
     let alpha = Vec2::new(alpha_x, alpha_y).max(Vec2::splat(LEAST_ALPHA));
-    Some(Seen { at: Shaded { position, x, y, z: normal, wo, alpha }, coverage, distance })
+    Some(Hit { at: Shaded { position, x, y, z: normal, wo, alpha }, coverage, distance })
 }
 
 fn by_table(frame: &Frame, table: &ShaderTable, at: &Shaded) -> Vec3 {
@@ -142,7 +142,7 @@ fn by_two_lobes(frame: &Frame, table: &ShaderTable, second: SecondLobe, at: &Sha
     reflected_colours(frame, parts, || first.amplitude)
 }
 
-/// The part of a lobe that the light covers, times its picture's colour.
+/// The part of a lobe that the light covers, times the colour of the light's picture.
 fn coloured_by(frame: &Frame, m: Mat3, at: &Shaded) -> Vec3 {
     let covered = covered_by(frame, m, at);
     match &frame.picture {
@@ -161,7 +161,7 @@ fn covered_by(frame: &Frame, m: Mat3, at: &Shaded) -> f32 {
     }
 }
 
-/// The light around a surface, in its tangent frame.
+/// The vertices of the light in the tangent frame of a surface.
 fn around(frame: &Frame, at: &Shaded) -> (Vec<[f32; 3]>, Sides) {
     let to_local = Mat3::from_cols(at.x, at.y, at.z).transpose();
     let light = &frame.light;
@@ -223,7 +223,7 @@ fn reflected_colours(frame: &Frame, parts: ColouredParts, albedo: impl FnOnce() 
     once * (Vec3::ONE + frame.f0 * (1.0 / albedo().max(0.01) - 1.0))
 }
 
-/// The pixel at which a lobe's picture shows a direction; `None` on the far side of the sphere of directions. The
+/// The pixel that shows a direction in the picture of a lobe. `None` on the far side of the sphere of directions. The
 /// inverse of [`direction_of`].
 pub(in crate::preview) fn place_of_direction(frame: &Frame, w: Vec3) -> Option<[f32; 2]> {
     let place = Vec2::new(w.dot(frame.right), w.dot(frame.up)) / 1.05;
@@ -265,14 +265,14 @@ mod tests {
     use ltcforge_fit::Configuration;
     use ltcforge_light::{NormalsRule, PolygonLight, normals, truth_within};
 
-    /// Mean error of the closed form's light over the pixels, for white metal under a light of radiance one.
+    /// Mean error, over the pixels, of the light by the closed form, for white metal under a light of radiance one.
     fn error(scene: NamedScene) -> f64 {
         let scene = scene.scene();
         let frame = Frame::new(&crate::preview::Scene { size: 32, ..scene }, false);
         let (mut sum, mut count) = (0.0, 0);
         for pixel in (0..frame.size * frame.size).map(|i| [i % frame.size, i / frame.size]) {
             let (place, cell) = place_of(&frame, pixel);
-            let Some(Seen { at, .. }) = see(&frame, place, cell).filter(|seen| seen.coverage == 1.0) else { continue };
+            let Some(Hit { at, .. }) = hit_at(&frame, place, cell).filter(|hit| hit.coverage == 1.0) else { continue };
             let to_local = Mat3::from_cols(at.x, at.y, at.z).transpose();
             let vertices: Vec<Vec3> = frame.light.vertices.iter().map(|v| to_local * (*v - at.position)).collect();
             let sides = if frame.light.two_sided { Sides::Two } else { Sides::One };
@@ -282,7 +282,7 @@ mod tests {
             let wo = at.wo.as_dvec3().normalize();
             let [alpha_x, alpha_y] = at.alpha.to_array().map(f64::from);
             let seen = Configuration { alpha_x, alpha_y, theta: wo.z.acos(), phi: wo.y.atan2(wo.x) };
-            // Rounding may make an edge that points at the surface look concave.
+            // Rounding can make an edge that points at the surface look concave.
             let light: Vec<DVec3> = vertices.iter().map(|v| v.as_dvec3()).collect();
             let Ok(light) = PolygonLight::new(light, sides) else { continue };
             let wanted = truth_within(1e-5, &seen, &light).expect("a surface").energy;
@@ -293,9 +293,9 @@ mod tests {
         sum / f64::from(count)
     }
 
-    /// The truth by quadrature has no noise. Limits are twice the measured errors.
+    /// The reference is a quadrature, without noise. The limits are twice the measured errors.
     #[test]
-    fn scenes_by_normals_are_near_the_truth() {
+    fn scenes_by_normals_are_near_the_quadrature() {
         for (scene, limit) in LIMITS {
             let error = error(scene);
             println!("{scene:?}: {error:.6}");

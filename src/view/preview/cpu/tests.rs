@@ -1,8 +1,8 @@
-//! Functions of the shaders' twin that match the shaders' entry points for tests.
+//! CPU twins of the shaders' entry points for tests.
 
 use super::*;
 
-/// The lookup: `M`, row-major, amplitude, Fresnel term, and a zero.
+/// The lookup: `M` in row-major order, the amplitude, the Fresnel term, and a zero.
 pub(in crate::preview) fn looked_up(table: &ShaderTable, alpha: [f32; 4], wo: [f32; 4]) -> [f32; 12] {
     let [x, y, z, _] = wo;
     let lobe = lookup::lookup(table, alpha[0], alpha[1], glam::Vec3::new(x, y, z));
@@ -10,7 +10,7 @@ pub(in crate::preview) fn looked_up(table: &ShaderTable, alpha: [f32; 4], wo: [f
     [a, b, c, d, e, f, g, h, i, lobe.amplitude, lobe.fresnel, 0.0]
 }
 
-/// The second matrix by rows, and the numbers of the first row of the blend for F0 = 0.04.
+/// The second matrix by rows, and the first row of the blend for F0 = 0.04.
 pub(in crate::preview) fn looked_up_second(table: &ShaderTable, alpha: [f32; 4], wo: [f32; 4]) -> [f32; 12] {
     let [x, y, z, _] = wo;
     let (first, second) = lookup::lookup_both(table, alpha[0], alpha[1], glam::Vec3::new(x, y, z));
@@ -19,7 +19,7 @@ pub(in crate::preview) fn looked_up_second(table: &ShaderTable, alpha: [f32; 4],
     [a, b, c, d, e, f, g, h, i, blend.x_axis.x, blend.y_axis.y, blend.z_axis.z]
 }
 
-/// `ltc_example`: M, and the amplitude, the Fresnel term and the part of the lobe that a one-sided polygon covers.
+/// Twin of `ltc_example`: M, the amplitude, the Fresnel term, and the part of the lobe that a one-sided polygon covers.
 pub(in crate::preview) fn lit(
     table: &ShaderTable,
     alpha_x: f32,

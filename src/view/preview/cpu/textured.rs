@@ -15,7 +15,7 @@ use ltcforge_light::{
 
 const RAYS: u8 = 4;
 
-/// The point where a ray meets the light's plane, relative to the picture's width and height, and its distance.
+/// The point where a ray meets the light's plane, in picture coordinates from 0 to 1, and its distance.
 fn met(frame: &Frame, start: Vec3, ray: Vec3) -> (Vec2, f32) {
     let light = &frame.light;
     let corner = light.vertices[0];
@@ -30,12 +30,12 @@ fn texel(image: &LightImage, uv: Vec2) -> Vec3 {
     Vec3::from(image.row(place(uv.y, image.height()))[place(uv.x, image.width())])
 }
 
-/// The colour of the light that arrives along a direction towards the light; white without a picture.
+/// The colour of the picture where the ray from `position` along `wi` meets the light. White without a picture.
 pub(super) fn colour(frame: &Frame, position: Vec3, wi: Vec3) -> Vec3 {
     frame.picture.as_ref().map_or(Vec3::ONE, |picture| texel(&picture.image, met(frame, position, wi).0))
 }
 
-/// The part of a pixel that the light covers where it is nearer than `behind`, as radiance and as a share.
+/// The part of a pixel that the light covers where it is nearer than `behind`: its radiance and its share.
 pub(super) fn light_in(frame: &Frame, place: Vec2, behind: f32) -> (Vec3, f32) {
     let Some(picture) = &frame.picture else { return (Vec3::ZERO, 0.0) };
     let (mut sum, mut covered) = (Vec3::ZERO, 0.0);
@@ -53,7 +53,7 @@ pub(super) fn covers(frame: &Frame, place: Vec2, behind: f32) -> bool {
     frame.picture.is_some() && rays(frame, place, behind).next().is_some()
 }
 
-/// The rays of a pixel that meet the light, and the points where they meet it.
+/// The rays of a pixel that hit the light, with the points that they hit.
 fn rays(frame: &Frame, place: Vec2, behind: f32) -> impl Iterator<Item = (Vec3, Vec2)> {
     let pixel = 2.0 / (frame.size / frame.cells) as f32;
     (0..RAYS * RAYS).filter_map(move |i| {
@@ -66,7 +66,7 @@ fn rays(frame: &Frame, place: Vec2, behind: f32) -> impl Iterator<Item = (Vec3, 
     })
 }
 
-/// The corners of the light around a point of the surface in its tangent frame.
+/// The corners of the light, relative to a point of the surface and in its tangent frame.
 fn corners(frame: &Frame, at: &Shaded) -> [[f32; 3]; 4] {
     let to_local = Mat3::from_cols(at.x, at.y, at.z).transpose();
     [0, 1, 2, 3].map(|i| (to_local * (frame.light.vertices[i] - at.position)).to_array())
@@ -84,14 +84,14 @@ fn colour_at(picture: &LightPicture, readings: &[Reading<f32>]) -> Vec3 {
     Vec3::from(colour_of(&readings, &picture.pyramid).map(|channel| channel as f32))
 }
 
-/// The picture's colour by the lobe of a matrix.
+/// The mean colour of the picture, weighted by the lobe of a matrix.
 pub(super) fn colour_by_lobe(frame: &Frame, picture: &LightPicture, m: Mat3, at: &Shaded) -> Vec3 {
     let space = Inverse::of(m).cosine_space(Mat3::IDENTITY);
     let readings = space.map(|space| ltc_readings(&space, &corners(frame, at), picture.readings)).unwrap_or_default();
     colour_at(picture, &readings)
 }
 
-/// The reflected light of the picture by model `normals`.
+/// The reflected light of the picture, by model `normals`.
 pub(super) fn by_normals(frame: &Frame, picture: &LightPicture, rule: NormalsRule, at: &Shaded) -> ColouredParts {
     let sides = if frame.light.two_sided { Sides::Two } else { Sides::One };
     let how = (rule, picture.readings);

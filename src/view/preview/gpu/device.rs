@@ -11,7 +11,7 @@ use ltcforge_fit::{LobeModel, SecondLobe};
 use ltcforge_light::{Gaussian, LightModel, NormalsRule};
 use ltcforge_shaders::{Bound, preview_module};
 
-/// A device of the first adapter that Vulkan lists: a GPU, or lavapipe.
+/// A device on the first adapter that Vulkan lists: a GPU, or lavapipe.
 #[derive(Debug)]
 pub(super) struct Device {
     pub(super) wgpu: wgpu::Device,
@@ -19,20 +19,20 @@ pub(super) struct Device {
     pub(super) table_layout: wgpu::BindGroupLayout,
     pub(super) frame_layout: wgpu::BindGroupLayout,
     pub(super) picture_layout: wgpu::BindGroupLayout,
-    /// The format of prefiltered pictures, which samplers filter.
+    /// The format of prefiltered pictures. Samplers must be able to filter it.
     pub(super) picture_format: wgpu::TextureFormat,
     pub(super) name: String,
     pipeline_layout: wgpu::PipelineLayout,
     module: wgpu::ShaderModule,
     pipelines: Vec<(Program, wgpu::ComputePipeline)>,
-    /// The sampler interpolates entries, not the shader.
+    /// Whether the sampler interpolates entries. Otherwise the shader does.
     pub(super) samples_weighed: bool,
     fault: FirstFault,
 }
 
-/// An entry point of `sphere.wgsl`, or of `preview_textured.wgsl` for a light with a picture, and its constants. The
-/// constants replace branches, because software drivers run both sides of a branch. Constants that the estimator
-/// ignores are equal for all frames, so that the frames share a pipeline.
+/// An entry point of `sphere.wgsl`, or of `preview_textured.wgsl` for a light with a picture, and its constants.
+/// Constants replace branches, because software drivers run both sides of a branch. Constants that an estimator ignores
+/// have the same value in all frames, so frames that would differ only in these constants share a pipeline.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Program {
     entry_point: &'static str,
@@ -58,7 +58,7 @@ impl Program {
             (_, LightModel::Sg | LightModel::Asg) => "surface_by_gaussian",
         };
         let is_of_polygons = estimator.is_of_polygons();
-        // A polygon replaces an ellipse there.
+        // Estimators for polygons replace an ellipse by a polygon.
         let is_flat = matches!(frame.light.shape, FrameShape::Polygon | FrameShape::Ellipse(_));
         let shape = if estimator.is_lobe() || (is_flat && is_of_polygons) { 0 } else { frame.light.shape.number() };
         let is_cut = frame.is_cut && matches!(estimator, Estimator::Table(LobeModel::Ltc) | Estimator::TwoLobes(_));
@@ -85,7 +85,7 @@ impl Program {
     }
 }
 
-/// The first error that no call returned. Without this, wgpu would panic.
+/// The first error that was not returned by a call. Without this, wgpu would panic.
 #[derive(Debug, Clone, Default)]
 struct FirstFault(Arc<Mutex<Option<String>>>);
 
@@ -188,7 +188,7 @@ impl Device {
         pipeline
     }
 
-    /// Fails if anything has gone wrong since the device was opened.
+    /// Returns the first error since the device was opened, if there was one.
     pub(super) fn check(&self) -> Result<(), GpuFailure> {
         match self.fault.0.lock().unwrap_or_else(PoisonError::into_inner).clone() {
             Some(message) => Err(GpuFailure::Failed(message)),
@@ -197,10 +197,10 @@ impl Device {
     }
 }
 
-/// Texels of 32 bits per channel.
+/// A texture format with 32 bits per channel.
 pub(super) const FLOATS: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
-/// The bindings of `light_picture.wgsl`: the picture, its prefiltered levels, their sampler.
+/// The bindings of `light_picture.wgsl`: the picture, its prefiltered levels, and their sampler.
 const PICTURE_BINDINGS: [wgpu::BindingType; 3] = [
     picture_binding(false, wgpu::TextureViewDimension::D2),
     picture_binding(true, wgpu::TextureViewDimension::D2Array),
@@ -234,7 +234,7 @@ pub(super) fn table_bindings(samples_weighed: bool, textures: Bound) -> Vec<wgpu
     [table].into_iter().chain(textures).chain([wgpu::BindingType::Sampler(sampler)]).collect()
 }
 
-/// Bindings from zero on, for compute shaders.
+/// A layout of compute bindings, numbered from zero.
 pub(super) fn layout(device: &wgpu::Device, label: &str, bindings: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
     let entries: Vec<wgpu::BindGroupLayoutEntry> = (0..)
         .zip(bindings)
@@ -250,7 +250,7 @@ pub(super) fn layout(device: &wgpu::Device, label: &str, bindings: &[wgpu::Bindi
 
 impl Drop for Device {
     fn drop(&mut self) {
-        // Dropping the device calls the callback, and that is not an error.
+        // Dropping the device also calls the callback. This is not an error.
         self.wgpu.set_device_lost_callback(|_, _| {});
     }
 }

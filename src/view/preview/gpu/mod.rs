@@ -1,4 +1,4 @@
-//! The renderer on a GPU, or on lavapipe, a software rasteriser that Vulkan lists as a GPU.
+//! The renderer on a GPU, or on lavapipe: a software rasteriser that Vulkan lists like a GPU.
 
 mod device;
 mod failure;

@@ -1,4 +1,4 @@
-//! The picture of a light in a GPU's memory.
+//! Uploads the picture of a light to the GPU.
 
 use half::f16;
 use wgpu::util::DeviceExt as _;
@@ -11,8 +11,8 @@ use super::{
 use crate::preview::light_picture::LightPicture;
 use ltcforge_light::textured::LightImage;
 
-/// Group 2 of the shaders. Without a picture, each texture is one black texel. Fails for a picture that is larger than
-/// textures may be.
+/// Group 2 of the shaders. Without a picture, each texture is one black texel. Fails if the picture exceeds the size
+/// limit of textures.
 pub(super) fn upload(gpu: &Device, picture: Option<&LightPicture>) -> Result<wgpu::BindGroup, GpuFailure> {
     let most = gpu.wgpu.limits().max_texture_dimension_2d;
     let images = picture.iter().flat_map(|picture| [&*picture.image, &picture.pyramid.levels()[0]]);
@@ -38,7 +38,7 @@ pub(super) fn upload(gpu: &Device, picture: Option<&LightPicture>) -> Result<wgp
     Ok(bind(gpu, &gpu.picture_layout, &resources))
 }
 
-/// A level's width and height, and its texels.
+/// The width and height of a level, and its texels.
 struct Level<'a> {
     size: [usize; 2],
     texels: &'a [[f32; 3]],
@@ -61,7 +61,7 @@ impl<'a> Level<'a> {
     }
 }
 
-/// A texture of levels, the finest first.
+/// A texture with these levels, the finest first.
 fn texture(gpu: &Device, levels: &[Level<'_>], format: wgpu::TextureFormat) -> wgpu::Texture {
     let [width, height] = levels.first().map_or([1, 1], |level| level.size);
     let [width, height, count] = [width, height, levels.len()].map(|n| u32::try_from(n).unwrap_or(u32::MAX));

@@ -5,12 +5,12 @@ use std::sync::Arc;
 use super::{GpuFailure, RenderTask, Weights, device::Device, picture, table, target::RenderTarget};
 use crate::preview::{ShaderTable, estimator::Stop, light_picture::LightPicture};
 
-/// A GPU. The first picture opens it, and the next picture opens it again after it was lost.
+/// A GPU. The first picture opens the device. If the device is lost, the next picture opens it again.
 #[derive(Debug, Default)]
 pub(in crate::preview) struct Gpu {
     weights: Weights,
     pub(super) open: Option<Open>,
-    /// The number of pictures that it still renders before it fails.
+    /// The number of pictures to render before it fails.
     #[cfg(test)]
     pub(super) fails_after: Option<u32>,
 }
@@ -18,7 +18,7 @@ pub(in crate::preview) struct Gpu {
 #[derive(Debug)]
 pub(super) struct Open {
     pub(super) device: Device,
-    /// The last table and picture, and the last frame's buffers. Most pictures use the same.
+    /// The last table and picture, and the buffers of the last frame. Most pictures use the same table and buffers.
     table: Option<(Arc<ShaderTable>, wgpu::BindGroup)>,
     picture: Option<(Option<Arc<LightPicture>>, wgpu::BindGroup)>,
     target: Option<RenderTarget>,

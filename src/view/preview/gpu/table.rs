@@ -1,4 +1,4 @@
-//! A table in a GPU's memory.
+//! Uploads a table to the GPU.
 
 use half::f16;
 use wgpu::util::DeviceExt as _;
@@ -6,7 +6,7 @@ use wgpu::util::DeviceExt as _;
 use super::{GpuFailure, device::Device};
 use crate::preview::{ShaderTable, TexelFormat};
 
-/// Group 0 of the shaders for a table. Fails for a table that is larger than textures may be.
+/// Group 0 of the shaders for a table. Fails if the table exceeds the size limit of textures.
 pub(super) fn upload(gpu: &Device, table: &ShaderTable) -> Result<wgpu::BindGroup, GpuFailure> {
     let [_, ratio, theta, phi] = table.axes.nodes.map(|n| n as usize);
     let layers = table.texels[0].len() / (ratio * theta * phi);
@@ -19,7 +19,7 @@ pub(super) fn upload(gpu: &Device, table: &ShaderTable) -> Result<wgpu::BindGrou
     Ok(bound(gpu, table, &gpu.table_layout, &views))
 }
 
-/// A texture of some of the table's texels. Their number determines its depth or the number of its layers.
+/// A texture of some of the table's texels. The number of texels determines its depth, or the number of its layers.
 pub(super) fn texture(
     gpu: &Device,
     table: &ShaderTable,
@@ -54,7 +54,7 @@ pub(super) fn texture(
     texture.create_view(&wgpu::TextureViewDescriptor { dimension, ..Default::default() })
 }
 
-/// The bind group of a table whose texels are in these textures.
+/// The bind group of a table, with these textures.
 pub(super) fn bound(
     gpu: &Device,
     table: &ShaderTable,
@@ -79,7 +79,7 @@ pub(super) fn bound(
     bind(gpu, layout, &resources)
 }
 
-/// A bind group of resources in the order of their bindings.
+/// A bind group of resources, in the order of their bindings.
 pub(super) fn bind(
     gpu: &Device,
     layout: &wgpu::BindGroupLayout,

@@ -1,4 +1,4 @@
-//! The buffers that a GPU writes a picture to, and the way back to the CPU.
+//! The buffers that a GPU renders into, and the transfer back to the CPU.
 
 use std::time::Instant;
 
@@ -49,7 +49,7 @@ impl RenderTarget {
         Self { size: frame.size, light, scene, pixels, tiles, readback, group }
     }
 
-    /// Whether the buffers fit a frame.
+    /// Whether the buffers have the right sizes for a frame.
     pub(super) fn fits(&self, frame: &Frame) -> bool {
         self.size == frame.size
     }
@@ -116,7 +116,7 @@ impl RenderTarget {
     }
 }
 
-/// Waits for a submission, however long it takes. The caller decides how long is too long.
+/// Waits for a submission, without a time limit. The caller decides when to stop.
 fn wait(gpu: &Device, submission: wgpu::SubmissionIndex) -> Result<(), GpuFailure> {
     let until = wgpu::PollType::Wait { submission_index: Some(submission), timeout: None };
     match gpu.wgpu.poll(until) {

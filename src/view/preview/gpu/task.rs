@@ -1,4 +1,4 @@
-//! The unit of work of a GPU, and its parts.
+//! A rendering task for a GPU, and its parts.
 
 use std::time::Duration;
 
@@ -9,25 +9,25 @@ use crate::preview::{
     frame::{Frame, Part},
 };
 
-/// Most samples that are sent to the GPU at a time. They take a third of a second on two slow cores. The caller can
-/// stop only between parts, because a busy driver can neither be stopped nor dropped. Smaller parts cost more, because
-/// lavapipe without a shader cache takes 0.1 s per part to compile the reference. Parts get smaller only if they take
-/// longer, for example on a machine that is busy with other work.
+/// The largest number of samples per part. A part is one submission to the GPU, and takes a third of a second on two
+/// slow cores. The caller can stop only between parts, because a busy driver can neither be stopped nor dropped.
+/// Smaller parts cost more, because lavapipe without a shader cache takes 0.1 s per part to compile the reference.
+/// Parts get smaller only if they take longer than usual, for example on a busy machine.
 const SAMPLES_A_PART: u32 = 1 << 24;
-/// Samples of a pixel in one pass. Lavapipe ends a shader's loops after 65535 steps, including nested loops, and a
-/// sample takes up to 15 steps.
+/// Samples per pixel in one pass. Lavapipe ends a shader's loops after 65535 steps, nested loops included, and a sample
+/// takes up to 15 steps.
 const SAMPLES_A_PASS: u32 = 1024;
-/// Workgroups that every GPU takes in one dispatch.
+/// The largest number of workgroups per dispatch that every GPU supports.
 const TILES_A_PART: u32 = 65_535;
 
-/// A picture, or a part of one, to be rendered.
+/// A picture, or a part of a picture, to render.
 #[derive(Debug)]
 pub(in crate::preview) struct RenderTask<'a> {
     pub(in crate::preview) frame: &'a Frame,
     pub(in crate::preview) estimator: Estimator,
-    /// Left upper pixel of the part that is rendered.
+    /// The upper left pixel of the rendered part.
     pub(in crate::preview) corner: [u32; 2],
-    /// Its width and height.
+    /// Width and height of the rendered part.
     pub(in crate::preview) extent: [u32; 2],
 }
 
@@ -47,9 +47,9 @@ impl<'a> RenderTask<'a> {
     }
 }
 
-/// The parts after a part that took longer than this have half as many tiles.
+/// After a part that took longer than this, parts have half as many tiles.
 const SLOW: Duration = Duration::from_millis(400);
-/// The parts after a part that took less than this have twice as many tiles.
+/// After a part that took less than this, parts have twice as many tiles.
 const FAST: Duration = Duration::from_millis(100);
 
 /// The parts of a task that are still to be rendered.
@@ -57,7 +57,7 @@ const FAST: Duration = Duration::from_millis(100);
 pub(super) struct TaskParts {
     tiles: u32,
     samples: u32,
-    /// Most tiles of a part, and the tiles of the current part.
+    /// The largest number of tiles per part, and the number of tiles in the current part.
     most: u32,
     now: u32,
     first_tile: u32,
@@ -65,14 +65,14 @@ pub(super) struct TaskParts {
 }
 
 impl TaskParts {
-    /// The next part. `took` is the time that the last one took, if there was one.
+    /// The next part. `took` is the duration of the last part, if there was one.
     pub(super) fn next(&mut self, took: Option<Duration>) -> Option<Part> {
         let Self { tiles, samples, most, .. } = *self;
         if self.first_sample >= samples {
             self.first_tile += self.now;
             self.first_sample = 0;
         }
-        // All passes over the same tiles have the same number of tiles.
+        // The number of tiles changes only before the first pass over new tiles.
         match took {
             Some(took) if self.first_sample == 0 && took > SLOW => self.now = (self.now / 2).max(1),
             Some(took) if self.first_sample == 0 && took < FAST => self.now = self.now.saturating_mul(2).min(most),
@@ -117,9 +117,9 @@ mod tests {
         }
     }
 
-    /// Between any two parts the caller may stop.
+    /// The caller can stop between any two parts.
     #[test]
-    fn parts_are_halved_while_they_take_long_and_grow_again() {
+    fn slow_parts_are_halved_and_fast_parts_grow() {
         let frame = Frame::new(&Scene { spp: 64, ..Scene::default() }, false);
         let mut parts = RenderTask::whole(&frame, Estimator::Reference).parts(1 << 16);
         let mut tiles = |took| parts.next(took).expect("more tiles").tiles;

@@ -1,19 +1,20 @@
-//! The squares of pixels that a picture is rendered in.
+//! The square tiles of a picture that the GPU renders.
 //!
-//! A shader computes for all pixels of a vector if one of them needs the result, and lavapipe even if none does.
-//! Therefore tiles that the surface cannot cover are not sent, unless the light is drawn, which may be anywhere.
+//! A shader computes all pixels of a SIMD vector if one of them needs the result, and with lavapipe even if none does.
+//! Therefore tiles that the surface cannot cover are not sent to the GPU. If the light is drawn, all tiles are sent,
+//! because it can be anywhere.
 
 use glam::Vec3;
 
 use crate::preview::{Surface, estimator::Estimator, frame::Frame};
 
-/// Side of a tile in pixels. A tile is a workgroup.
+/// Side of a tile in pixels. Each tile is a workgroup.
 pub(super) const SIDE: u32 = 8;
-/// The distance from a tile's middle to the middle of its outermost pixel, plus half a pixel of the sphere's rim,
-/// rounded up: in pixels.
+/// The distance in pixels from a tile's middle to the middle of its outermost pixel, plus half a pixel for the sphere's
+/// rim, rounded up.
 const REACH: f32 = 6.0;
 
-/// Tiles, by their upper left pixels.
+/// Tiles, each given by its upper left pixel.
 #[derive(Debug)]
 pub(super) struct Tiles {
     /// The tiles to render.
@@ -23,7 +24,7 @@ pub(super) struct Tiles {
 }
 
 impl Tiles {
-    /// The tiles of the part of a picture with upper left pixel `corner` and size `extent`.
+    /// The tiles of a part of a picture. `corner` is the upper left pixel of the part, and `extent` its size.
     pub(super) fn of(frame: &Frame, estimator: Estimator, corner: [u32; 2], extent: [u32; 2]) -> Self {
         let starts = |axis: usize| (corner[axis]..corner[axis] + extent[axis]).step_by(SIDE as usize);
         let tiles = starts(1).flat_map(|y| starts(0).map(move |x| [x, y]));
@@ -34,7 +35,7 @@ impl Tiles {
     }
 }
 
-/// Whether a tile may show the surface. `false` is certain; `true` may be wrong.
+/// Whether a tile can show the surface. `false` is certain, `true` is not.
 fn may_show(frame: &Frame, tile: [u32; 2]) -> bool {
     let side = frame.size / frame.cells;
     let cell = tile.map(|x| (x / side).min(frame.cells - 1));
@@ -47,7 +48,8 @@ fn may_show(frame: &Frame, tile: [u32; 2]) -> bool {
     }
     let middle = |axis: usize| ((tile[axis] - cell[axis] * side + SIDE / 2) as f32) / side as f32 * 2.0 - 1.0;
     let ray = (frame.forward + frame.right * middle(0) - frame.up * middle(1)).normalize();
-    // The largest angle between a ray of the tile and the ray of its middle. The image plane is at distance one.
+    // The largest angle between the ray through the tile's middle and any other ray of the tile. The image plane is at
+    // distance one.
     let spread = REACH * frame.pixel;
     match frame.surface {
         Surface::Floor => frame.eye.y > 0.0 && ray.y - spread < -frame.eye.y / frame.floor_end,
@@ -67,7 +69,7 @@ mod tests {
     use super::*;
     use crate::preview::{Camera, NamedScene, Scene, cpu};
 
-    /// All tiles of a frame, and its pixels that the surface covers.
+    /// All tiles of a frame, and the pixels that the surface covers.
     fn tiles_of(scene: &Scene) -> (Tiles, Vec<[u32; 2]>) {
         let frame = Frame::new(scene, false);
         let pixels = (0..frame.size).flat_map(|y| (0..frame.size).map(move |x| [x, y]));
@@ -77,7 +79,7 @@ mod tests {
 
     #[test]
     fn few_rendered_tiles_are_empty() {
-        // A light that is drawn may be in any tile.
+        // A light that is drawn can be in any tile.
         let without_picture = NamedScene::ALL.iter().filter(|named| **named != NamedScene::Screen);
         for named in without_picture {
             let (tiles, covered) = tiles_of(&Scene { size: 512, ..named.scene() });
@@ -89,7 +91,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn every_pixel_that_is_covered_is_rendered(
+        fn every_covered_pixel_is_rendered(
             named in prop::sample::select(NamedScene::ALL.to_vec()),
             size in 64_u32..200,
             distance in 1.5..100.0,

@@ -10,7 +10,7 @@ impl Preview {
         self.gpu.fail_after(times);
     }
 
-    /// Radiances of the part of the picture with upper left pixel `corner` and size `extent`.
+    /// Radiances of a part of the picture. `corner` is its upper left pixel, and `extent` its size.
     pub(in crate::preview) fn part(
         &mut self,
         table: &Arc<ShaderTable>,
@@ -21,7 +21,7 @@ impl Preview {
     ) -> Result<Radiances, PreviewError> {
         let mode = if estimator.is_lobe() { Mode::Lobe } else { Mode::Reference };
         let mode = if matches!(estimator, Estimator::Reference | Estimator::ReferenceLobe) { mode } else { Mode::Ltc };
-        // A part always has f0 as a factor, whatever the scattering model.
+        // This function always applies f0, for every scattering model.
         let scene_of_part = Scene { mode, ..scene.clone() };
         let is_for_cpu = self.check(table, &scene_of_part, faults_of_table(table, &scene_of_part))?;
         let frame = Frame::new(scene, estimator.is_lobe());
@@ -38,7 +38,7 @@ impl Preview {
     }
 }
 
-/// Whether the preview tries the GPU, which then returns `answer`.
+/// Whether the preview tries the GPU. The GPU returns `answer`.
 fn tries_gpu(preview: &mut Preview, answer: Result<(), GpuFailure>) -> bool {
     let mut is_tried = false;
     let done = preview.on_gpu(|_| {
@@ -53,7 +53,7 @@ fn absent() -> Result<(), GpuFailure> {
     Err(GpuFailure::Absent("none".to_owned()))
 }
 
-/// In every scene the CPU calls `stop` after at most [`SAMPLES`] samples, or after one pixel.
+/// In every scene, the CPU calls `stop` after at most [`SAMPLES`] samples, or after each pixel.
 #[test]
 fn parts_for_the_cpu_are_small_and_take_each_pixel_once_in_order() {
     for (size, samples) in [(64, 1), (64, 4096), (2048, 4096), (2048, 64), (2048, 8), (333, 700), (100, 1 << 20)] {

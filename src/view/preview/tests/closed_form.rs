@@ -1,10 +1,10 @@
-//! The error of the closed form in whole pictures.
+//! The error of the closed form over whole pictures.
 
 use super::*;
 use crate::preview::{Mode, NamedScene, PanelError, Scene};
 use ltcforge_light::LightModel;
 
-/// Scenes of `docs/normals.md`, with the largest mean error on each of their surfaces.
+/// Scenes of `docs/normals.md`. The number is the largest mean error over the surfaces of the scene.
 const LIMITS: [(NamedScene, f64); 4] = [
     (NamedScene::Sphere, 6e-4),
     (NamedScene::Figure14, 6e-4),
@@ -13,11 +13,11 @@ const LIMITS: [(NamedScene, f64); 4] = [
 ];
 
 #[test]
-fn in_pictures_the_closed_form_is_near_the_truth() {
-    let (mut preview, table) = (renderers().swap_remove(0), shader_table(TexelFormat::F32));
+fn in_pictures_the_closed_form_is_near_the_reference() {
+    let (mut renderers, table) = (renderers(), shader_table(TexelFormat::F32));
     for (named, most) in LIMITS {
         let scene = Scene { size: 96, spp: 4096, mode: Mode::Difference, model: LightModel::Normals, ..named.scene() };
-        let errors = preview.render(&table, &scene, &|| false).expect("a picture").errors;
+        let errors = renderers[0].render(&table, &scene, &|| false).expect("a picture").errors;
         assert_eq!(errors.len(), scene.materials.len());
         for PanelError { alpha_x, alpha_y, mean_absolute, mean_radiance, .. } in errors {
             let what = format!("{} {alpha_x} {alpha_y}", named.name());

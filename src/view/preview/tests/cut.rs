@@ -1,4 +1,4 @@
-//! `ltc_cut.wgsl`, `ltc_cut_shapes.wgsl` and their twin against f64.
+//! Compares `ltc_cut.wgsl`, `ltc_cut_shapes.wgsl` and their CPU twin with f64.
 
 use std::f64::consts::TAU;
 
@@ -16,7 +16,7 @@ use ltcforge_fit::{Ltc, Sides, cheap_form_factor, testing::mirror_like};
 use ltcforge_light::{AboveSurface, CosineSpace};
 use ltcforge_shaders::{Bound, joined};
 
-/// Integrates each kind of light for the matrix and the three vectors of a case.
+/// Integrates each kind of light. A case has a matrix and three vectors.
 const ENTRY: &str = "
 struct Case {
     m: array<vec4<f32>, 3>,
@@ -61,9 +61,9 @@ const FILES: [&str; 5] = ["ltc_math", "ltc_light", "ltc_shapes", "ltc_cut", "ltc
 const NAMES: [&str; 7] = ["disk", "sphere", "tube", "line", "polygon", "rectangle", "rectangle from one side"];
 const COUNT: usize = 16 * 256;
 
-/// A lobe and its lights. A disk and a parallelogram have the centre and the half axes. A sphere has the centre and
-/// radius `size`. A tube and a line extend from the centre by the first half axis to both sides, with radius or width
-/// `size`.
+/// A lobe and its lights. The disk and the parallelogram have a centre and two half axes. The sphere has the centre and
+/// radius `size`. The tube and the line extend from the centre by the first half axis in both directions, with radius
+/// or width `size`.
 struct Case {
     m: Mat3,
     places: [Vec3; 3],
@@ -81,7 +81,7 @@ impl Case {
         [a, b, c, a + c - b]
     }
 
-    /// The results in f64 for the numbers rounded to 32 bits.
+    /// The results in f64, for the same inputs rounded to 32 bits.
     fn wanted(&self) -> [f64; 7] {
         let above = self.above();
         let [centre, x, y] = self.places.map(Vec3::as_dvec3);
@@ -109,7 +109,7 @@ impl Case {
     }
 }
 
-/// Lobes of roughness from 0.02 on with low views, and lights of any size around them.
+/// Lobes with roughness from 0.02 on and grazing views, and lights of all sizes around them.
 fn cases() -> Vec<Case> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(23);
     let mut within =
@@ -147,7 +147,7 @@ fn by_gpu(cases: &[Case], source: &str) -> Option<Vec<[f32; 8]>> {
 }
 
 #[test]
-fn thousands_of_lights_that_the_surface_cuts_are_those_of_f64() {
+fn thousands_of_lights_that_the_surface_cuts_agree_with_f64() {
     let cases = cases();
     let twin = |case: &Case| {
         let [disk, sphere, tube, line] = cpu::shapes_covered_above(case.m, case.places, case.size);
@@ -177,7 +177,7 @@ fn thousands_of_lights_that_the_surface_cuts_are_those_of_f64() {
     }
 }
 
-/// With `LTC_CHEAP_HORIZON`, polygons are cut at the surface and the horizon is approximated. Tubes do not change.
+/// With `LTC_CHEAP_HORIZON`, polygons are cut at the surface and their horizon is approximated. Tubes do not change.
 #[test]
 fn the_cheap_horizon_of_a_cut_polygon_is_the_fit_for_spheres() {
     let cases = cases();
@@ -201,7 +201,7 @@ fn the_cheap_horizon_of_a_cut_polygon_is_the_fit_for_spheres() {
         let wanted = (2.0 * guessed / (1.0 + row.normalize().z)).min(1.0);
         let off = (f64::from(found[5]) - wanted).abs();
         assert!(off < 2e-3, "{} {wanted}: {} {:?}", found[5], case.m, case.places);
-        // The exception is a tube whose end hides the rest, which is like a sphere.
+        // An exception is a tube whose end hides the rest: it is treated like a sphere.
         let [centre, half] = [0, 1].map(|i| case.places[i].as_dvec3());
         let beside = (centre - half).reject_from(half).length();
         let tube = (f64::from(found[2]) - case.wanted()[2]).abs();

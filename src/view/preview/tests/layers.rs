@@ -1,4 +1,4 @@
-//! The functions of layers, on the GPU and in f64.
+//! Compares the functions for layers on the GPU with f64.
 
 use super::report_skipped;
 use crate::preview::gpu::{GpuFailure, tests::example};
@@ -9,7 +9,7 @@ use ltcforge_light::{
 };
 use ltcforge_shaders::{FUZZ_CASES, fuzz_values, joined};
 
-/// A program that calls the functions for one case: roughness and view, then five numbers of layers.
+/// A program that calls the functions for one case: roughness and view direction, then five numbers for the layers.
 const PROGRAM: &str = "
 @group(0) @binding(0) var<uniform> layers_case: mat4x4<f32>;
 @group(0) @binding(1) var<storage, read_write> layers_result: mat4x4<f32>;
@@ -27,7 +27,7 @@ fn layers_example() {
 ";
 
 #[test]
-fn the_shader_of_layers_is_its_twin() {
+fn the_shader_of_layers_agrees_with_its_twin() {
     let layers = [[0.6, 0.2, 0.3, 0.8], [0.9, 0.7, 0.9, 0.1], [1.0, 0.0, 0.0, 0.2], [0.4, 0.3, 0.5, 0.5]];
     let cases: Vec<[f32; 16]> = FUZZ_CASES
         .iter()

@@ -1,4 +1,4 @@
-//! Tables of listed materials and tables with explicit nodes, in shaders and on the CPU.
+//! Tables of listed materials, and tables with explicit nodes: in shaders and on the CPU.
 
 use std::ops::ControlFlow;
 
@@ -20,7 +20,7 @@ fn fitted(document: &str) -> Table {
     fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it")
 }
 
-/// The lookup by the number of a material, which is in the place of alpha.
+/// The lookup by material number. The number replaces alpha.
 const MATERIAL_ENTRY: &str = "
 @compute @workgroup_size(256)
 fn looked_up_material(@builtin(local_invocation_index) index: u32) {
@@ -35,7 +35,8 @@ fn looked_up_material(@builtin(local_invocation_index) index: u32) {
 }
 ";
 
-/// A material is found among all by its number and by its roughness, in either direction and from every view.
+/// Each material is found by its number and by its roughness, with the larger roughness along x or y, and for all
+/// views.
 #[test]
 fn materials_are_found_by_number_and_by_roughness() {
     let document = r#"{"layout": "materials", "fit": {"samples": 64, "directions": 6, "steps": 8},
@@ -53,7 +54,7 @@ fn materials_are_found_by_number_and_by_roughness() {
         .collect();
     for format in [TexelFormat::F32, TexelFormat::F16] {
         let shader_table = ShaderTable::new(&table, format);
-        // Rounding to 11 bits moves a lobe by more than the arithmetic does.
+        // Rounding to 11 bits moves a lobe more than the arithmetic does.
         let tolerance = if format == TexelFormat::F16 { 0.02 } else { TOLERANCE };
         let cases: Vec<Case> = places.iter().map(|(_, c)| Case::of(c)).collect();
         let twin = cases.iter().map(|case| cpu::looked_up(&shader_table, case.alpha, case.wo)).collect();
@@ -76,7 +77,7 @@ fn materials_are_found_by_number_and_by_roughness() {
                 Err(failure) => panic!("{failure}"),
             };
             for (found, (number, at)) in found.iter().zip(&places) {
-                let wanted = table.lookup_material(*number, at.theta, at.phi).expect("it is there");
+                let wanted = table.lookup_material(*number, at.theta, at.phi).expect("a known material");
                 let off = error(found, &wanted);
                 assert!(off < tolerance, "{format}: off by {off} at {number} {at:?}");
             }
@@ -84,9 +85,9 @@ fn materials_are_found_by_number_and_by_roughness() {
     }
 }
 
-/// The shader with a table's explicit nodes finds them, at every corner and at four thousand places.
+/// The shader finds the explicit nodes of a table, at every corner and at four thousand other points.
 #[test]
-fn nodes_given_one_by_one_are_found() {
+fn explicit_nodes_are_found() {
     let configurations = configurations();
     let cases: Vec<Case> = configurations.iter().map(Case::of).collect();
     let (groups, _) = cases.as_chunks::<256>();
@@ -113,6 +114,6 @@ fn nodes_given_one_by_one_are_found() {
     }
 }
 
-/// The factor on the tolerance for close nodes: an angle in 32 bits changes the weight between them more, and the width
-/// of a narrow lobe is a small difference of the columns at both.
+/// The factor on the tolerance for close nodes. Between them, an angle in 32 bits changes the weights more, and the
+/// width of a narrow lobe is a small difference of large columns.
 const NEAR_NODES: f64 = 3.0;

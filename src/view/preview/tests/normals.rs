@@ -1,4 +1,4 @@
-//! The closed form in the space of normals on the GPU, for thousands of random lights.
+//! Compares the closed form in the space of normals on the GPU with f64, for thousands of random lights.
 
 use glam::Vec3;
 
@@ -15,7 +15,7 @@ use ltcforge_light::{
 };
 use ltcforge_shaders::{Bound, Lights, LitBy, Reading, functions};
 
-/// The integral of the surface and the rectangle or other polygon of a case.
+/// Integrates the light of a case: a rectangle, or another polygon.
 const ENTRY: &str = "
 struct Case {
     wo: vec3<f32>,
@@ -48,7 +48,7 @@ fn polygons(@builtin(local_invocation_index) index: u32) {
 }
 ";
 
-/// Random lights, and as many walls on the surface, above it and partly below it.
+/// Random lights, and the same number of walls: on the surface, above it, or partly below it.
 fn lights(roughness: Roughness) -> Vec<Lit> {
     let mut draw = Draw::new(91);
     let mut lights = Draw::many(92, 10 * 256, roughness);
@@ -60,7 +60,7 @@ fn lights(roughness: Roughness) -> Vec<Lit> {
     lights
 }
 
-/// The lights with 3 to 8 corners on the ellipses in their rectangles.
+/// Replaces each rectangle by a polygon with 3 to 8 corners on the ellipse within it.
 fn rounded(lights: Vec<Lit>) -> Vec<Lit> {
     let of = |(i, lit): (usize, Lit)| {
         let [a, b, c, d] = lit.vertices[..] else { panic!("a rectangle") };
@@ -75,7 +75,7 @@ fn rounded(lights: Vec<Lit>) -> Vec<Lit> {
     lights.into_iter().enumerate().map(of).collect()
 }
 
-/// A light in 32 bits.
+/// A light, rounded to 32 bits.
 struct Single {
     wo: Vec3,
     alpha: [f32; 2],
@@ -99,7 +99,7 @@ impl Single {
         words
     }
 
-    /// The result in f64 for the numbers in 32 bits.
+    /// The result in f64, for the same numbers rounded to 32 bits.
     fn exact(&self, rule: NormalsRule) -> [f64; 2] {
         let corners: Vec<[f64; 3]> = self.corners.iter().map(|v| v.as_dvec3().to_array()).collect();
         let wo = self.wo.as_dvec3().normalize().to_array();
@@ -108,7 +108,7 @@ impl Single {
 }
 
 #[test]
-fn the_shader_gives_what_f64_does_for_any_light() {
+fn the_shader_agrees_with_f64_for_any_light() {
     for (roughness, limits) in
         [(Roughness::All, [2e-4, 5e-3]), (Roughness::Anisotropic, [2e-4, 5e-3]), (Roughness::Extreme, [1e-3, 5e-2])]
     {
@@ -119,8 +119,8 @@ fn the_shader_gives_what_f64_does_for_any_light() {
     }
 }
 
-/// Compares an entry point's results for lights with f64: 999 of 1000 numbers are within the first limit, and all
-/// within the second.
+/// Compares the results of an entry point with f64. 999 of 1000 numbers are within the first limit, and all are within
+/// the second.
 fn check(rule: NormalsRule, entry: &str, lights: &[Lit], limits: [f64; 2]) {
     let normals =
         LitBy::new(LightModel::Normals, None).and_then(|normals| normals.by_rule(Some(rule))).expect("a rule");

@@ -1,4 +1,4 @@
-//! Properties of every renderer's pictures.
+//! Properties of pictures, for every renderer.
 
 use super::{
     twins::{GO_ON, cameras, render},
@@ -16,13 +16,13 @@ fn estimators() -> impl Iterator<Item = Estimator> {
 }
 
 #[test]
-fn twice_the_same_picture_is_the_same_bytes() {
+fn rendering_a_picture_twice_gives_the_same_bytes() {
     let table = shader_table(TexelFormat::F32);
-    for mut preview in renderers() {
+    for preview in renderers().iter_mut() {
         for mode in Mode::ALL.iter().copied() {
             let scene = Scene { size: 96, spp: 4, mode, ..NamedScene::Figure14.scene() };
-            let first = render(&mut preview, &table, &scene).picture.png().expect("a file");
-            let again = render(&mut preview, &table, &scene).picture.png().expect("a file");
+            let first = render(preview, &table, &scene).picture.png().expect("a file");
+            let again = render(preview, &table, &scene).picture.png().expect("a file");
             assert_eq!(first, again, "{}", mode.name());
         }
     }
@@ -31,7 +31,7 @@ fn twice_the_same_picture_is_the_same_bytes() {
 #[test]
 fn a_lost_device_is_opened_again() {
     let mut renderers = renderers();
-    let [gpu, _] = renderers.as_mut_slice() else { return };
+    let [gpu, _] = &mut *renderers else { return };
     let table = shader_table(TexelFormat::F32);
     let scene = Scene { size: 64, ..Scene::default() };
     let before = render(gpu, &table, &scene);
@@ -40,9 +40,9 @@ fn a_lost_device_is_opened_again() {
 }
 
 #[test]
-fn a_picture_that_the_gpu_began_is_not_ended_by_the_cpu() {
+fn a_picture_is_not_shared_between_gpu_and_cpu() {
     // Without a GPU, nothing fails in the middle.
-    let [_, _] = renderers().as_slice() else { return };
+    let [_, _] = &*renderers() else { return };
     let table = shader_table(TexelFormat::F32);
     let mut any = Preview::new(Adapter::Any);
     for mode in [Mode::Difference, Mode::Strip, Mode::Lobe] {
@@ -51,14 +51,14 @@ fn a_picture_that_the_gpu_began_is_not_ended_by_the_cpu() {
         let rendered = render(&mut any, &table, &scene);
         assert_eq!(rendered.adapter, "cpu");
         let by_cpu = render(&mut Preview::new(Adapter::Cpu), &table, &scene);
-        assert!(rendered == by_cpu, "{}: not all of it is by the CPU", mode.name());
+        assert!(rendered == by_cpu, "{}: a part of the picture is not from the CPU", mode.name());
     }
 }
 
 #[test]
 fn a_picture_can_be_stopped_and_a_bad_scene_is_refused() {
     let table = shader_table(TexelFormat::F32);
-    for mut preview in renderers() {
+    for preview in renderers().iter_mut() {
         let scene = Scene::default();
         assert_eq!(preview.render(&table, &scene, &|| true), Err(PreviewError::Stopped));
         let bad = Scene { size: 4096, ..scene };
@@ -67,9 +67,9 @@ fn a_picture_can_be_stopped_and_a_bad_scene_is_refused() {
     }
 }
 
-/// Two scenes have the same canonical form if and only if they make the same picture.
+/// Two scenes make the same picture if and only if they have the same canonical form.
 #[test]
-fn parameters_that_a_mode_does_not_show_are_not_part_of_its_name() {
+fn parameters_that_a_mode_does_not_show_are_not_in_its_canonical_form() {
     let table = shader_table(TexelFormat::F32);
     let mut cpu = Preview::new(Adapter::Cpu);
     let others = [
@@ -107,19 +107,19 @@ fn parameters_that_a_mode_does_not_show_are_not_part_of_its_name() {
 }
 
 #[test]
-fn a_floor_is_seen_from_above_alone() {
+fn a_floor_is_visible_only_from_above() {
     let table = shader_table(TexelFormat::F32);
-    for mut preview in renderers() {
+    for preview in renderers().iter_mut() {
         for elevation in ["0", "-0.3", "-1.5", "1e-9"] {
             let scene = [("scene", "brushed_floor"), ("camera_elevation", elevation), ("size", "64")];
             let scene = Choices::read(scene).expect("a scene");
-            let picture = render(&mut preview, &table, &scene).picture;
+            let picture = render(preview, &table, &scene).picture;
             assert!(picture.rgb.iter().all(|pixel| *pixel == picture.rgb[0]), "{elevation}");
         }
     }
 }
 
-/// No table and no scene makes a pixel that is not a number.
+/// No table and no scene produces a NaN.
 #[test]
 fn every_pixel_is_a_number() {
     let mut hostile = planted();
@@ -134,7 +134,7 @@ fn every_pixel_is_a_number() {
         }
     }
     for table in [shader_table(TexelFormat::F16), Arc::new(ShaderTable::new(&hostile, TexelFormat::F32))] {
-        for mut preview in renderers() {
+        for preview in renderers().iter_mut() {
             for mut scene in cameras() {
                 scene.materials[0] = Material { alpha_x: 0.0, alpha_y: 1.0, rotation: 0.0 };
                 for estimator in estimators() {

@@ -6,17 +6,17 @@ use ltcforge_fit::{
 };
 
 /// A table whose entries are the limit of sharp lobes, `[2 alpha_x (v_z x + v_x z), 2 alpha_y (v_z y + v_y z), r]` with
-/// `r` the mirror direction. They are close to fitted entries, and need no fit.
+/// mirror direction `r`. They are close to fitted entries, but need no fit.
 pub(in crate::preview) fn planted() -> Table {
     sharp(Layout::Kt2022.nodes(&whole([0.0, 1.0]), &PerAxis { alpha: 5, ratio: 4, theta: 6, phi: 4 }))
 }
 
-/// All views and ratios, and these roughnesses.
+/// All views and ratios, for these roughnesses.
 fn whole(alpha: [f64; 2]) -> PerAxis<[f64; 2]> {
     PerAxis { alpha, ratio: [0.0, 1.0], theta: [0.0, 1.57], phi: [0.0, std::f64::consts::FRAC_PI_2] }
 }
 
-/// [`planted`] for isotropic surfaces: one ratio and one phi, whose lobes turn with the view.
+/// [`planted`] for isotropic surfaces: one ratio and one phi. Its lobes rotate with the view.
 pub(in crate::preview) fn isotropic() -> Table {
     let range = PerAxis { ratio: [1.0; 2], phi: [0.3; 2], ..whole([0.0, 1.0]) };
     sharp(Layout::Kt2022.nodes(&range, &PerAxis { alpha: 5, ratio: 1, theta: 6, phi: 1 }))
@@ -44,7 +44,7 @@ fn sharp(axes: PerAxis<Vec<f64>>) -> Table {
     })
 }
 
-/// A table of layout `reflected` whose entries are near the limit of sharp lobes, `diag(1, ratio, 1)`, on axes that end
+/// A table of layout `reflected` whose entries are near the limit of sharp lobes, `diag(1, ratio, 1)`. Its axes end
 /// within the domain.
 pub(in crate::preview) fn reflected() -> Table {
     let axes = Layout::Reflected.nodes(&whole([0.0, 0.9]), &PerAxis { alpha: 5, ratio: 4, theta: 6, phi: 4 });
@@ -63,13 +63,13 @@ pub(in crate::preview) fn reflected() -> Table {
     Table { layout: Layout::Reflected, ..planted }
 }
 
-/// A table whose entries are all the clamped cosine with amplitude one.
+/// A table in which every entry is the clamped cosine with amplitude one.
 pub(super) fn diffuse() -> Table {
     let axes = Layout::Kt2022.nodes(&whole([0.0, 1.0]), &PerAxis { alpha: 2, ratio: 2, theta: 2, phi: 2 });
     table(axes, |_| (DMat3::IDENTITY, 1.0, 0.0))
 }
 
-/// A table of a matrix, an amplitude and a Fresnel term for each entry.
+/// A table, built from a function that returns the matrix, amplitude and Fresnel term of each entry.
 fn table(axes: PerAxis<Vec<f64>>, entry: impl Fn(usize) -> (DMat3, f64, f64)) -> Table {
     let PerAxis { alpha, ratio, theta, phi } = axes.lengths();
     let entries: Vec<(DMat3, f64, f64)> = (0..alpha * ratio * theta * phi).map(entry).collect();

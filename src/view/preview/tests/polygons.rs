@@ -12,7 +12,7 @@ use ltcforge_fit::{
 };
 use ltcforge_shaders::{Bound, joined};
 
-/// The integral of the matrix and the polygon of a case.
+/// Integrates the polygon of a case with its matrix.
 const ENTRY: &str = "
 struct Case {
     m: array<vec4<f32>, 3>,
@@ -38,10 +38,10 @@ fn covered(@builtin(local_invocation_index) index: u32) {
 }
 ";
 
-/// Ten thousand cases, in whole workgroups.
+/// Ten thousand cases, rounded to whole workgroups.
 const COUNT: usize = 40 * 256;
 
-/// A matrix and a polygon in 32 bits, and their covered part in f64.
+/// A matrix and a polygon in 32 bits, and the covered part of the lobe in f64.
 struct Case {
     m: Mat3,
     vertices: Vec<Vec3>,
@@ -49,7 +49,7 @@ struct Case {
 }
 
 impl Case {
-    /// The expected value is `exact` of the matrix and the polygon in 32 bits.
+    /// `exact` computes the expected value from the matrix and the polygon in 32 bits.
     fn new(m: DMat3, polygon: impl Iterator<Item = DVec3>, exact: impl Fn(DMat3, &[DVec3]) -> f64) -> Self {
         let (m, vertices) = (m.as_mat3(), polygon.map(DVec3::as_vec3).collect::<Vec<Vec3>>());
         let polygon: Vec<DVec3> = vertices.iter().map(|v| v.as_dvec3()).collect();
@@ -57,14 +57,13 @@ impl Case {
     }
 }
 
-/// Random cases. With `aimed`, the polygons are around and through the lobe, wherever it points and however sharp it
-/// is.
+/// Random cases. With `aimed`, the polygons are around or within the lobe, for any direction and sharpness of the lobe.
 fn cases(aimed: bool) -> Vec<Case> {
     let place = |m: DMat3, v: DVec3| if aimed { m * v } else { v };
     random_cases(COUNT).map(|(polygon, m)| Case::new(m, polygon.into_iter().map(|v| place(m, v)), quadrature)).collect()
 }
 
-/// The covered part, lit from one side and from both, by the CPU twin and by the GPU if there is one.
+/// The covered parts, lit from one side and from both sides. The CPU twin computes them, and the GPU if there is one.
 fn by_all(cases: &[Case]) -> Vec<(&'static str, Vec<[f32; 2]>)> {
     let twin = |case: &Case| [false, true].map(|two_sided| cpu::covered(case.m, &case.vertices, two_sided));
     let mut found = vec![("CPU", cases.iter().map(twin).collect())];
@@ -72,7 +71,7 @@ fn by_all(cases: &[Case]) -> Vec<(&'static str, Vec<[f32; 2]>)> {
     found
 }
 
-/// The covered parts by a shader with [`ENTRY`]; `None` without a GPU.
+/// The covered parts, by a shader with [`ENTRY`]. `None` without a GPU.
 fn by_gpu(cases: &[Case], source: &str) -> Option<Vec<[f32; 2]>> {
     let words: Vec<[u32; 48]> = cases.iter().map(words).collect();
     let (groups, rest) = words.as_chunks::<256>();
@@ -102,7 +101,7 @@ fn words(case: &Case) -> [u32; 48] {
     words
 }
 
-/// The error of a case's integral. It also checks that the integral is a part of the lobe.
+/// The error of a case's integral. Also checks that the integral is from 0 to 1.
 #[track_caller]
 fn error(case: &Case, who: &str, [one, two]: [f32; 2]) -> f64 {
     let Case { m, vertices, wanted } = case;
@@ -112,7 +111,7 @@ fn error(case: &Case, who: &str, [one, two]: [f32; 2]) -> f64 {
     (f64::from(two) - wanted).abs()
 }
 
-/// Whether the lobe's horizon is clearly above all of the polygon.
+/// Whether the whole polygon is clearly below the lobe's horizon.
 fn is_below(case: &Case) -> bool {
     let inverse = case.m.as_dmat3().inverse();
     case.vertices.iter().map(|v| (inverse * v.as_dvec3()).normalize()).all(|c| c.z < -1e-3)
@@ -135,9 +134,9 @@ fn ten_thousand_polygons_in_32_bits_agree_with_quadrature() {
     assert!(below > 500, "{below}");
 }
 
-/// 32 bits place the edge of a light to 1e-7 rad. For roughness 1e-4 this is a thousandth of the lobe.
+/// In 32 bits the edge of a light is accurate to 1e-7 rad. For roughness 1e-4 this is a thousandth of the lobe's width.
 #[test]
-fn lights_that_end_within_a_sharp_lobe_have_its_rounding_error() {
+fn lights_that_end_within_a_sharp_lobe_have_small_errors() {
     let cases = cases(true);
     for (who, found) in by_all(&cases) {
         let errors: Vec<f64> = cases.iter().zip(found).map(|(case, found)| error(case, who, found)).collect();
@@ -147,7 +146,7 @@ fn lights_that_end_within_a_sharp_lobe_have_its_rounding_error() {
     }
 }
 
-/// Parallelograms by three of their corners, which `ltc_rectangle` cuts at the horizon without branches.
+/// Parallelograms, given by three corners. `ltc_rectangle` cuts them at the horizon without branches.
 #[test]
 fn ten_thousand_rectangles_in_32_bits_agree_with_64_bits() {
     let source = joined(&["ltc_light"])
@@ -177,7 +176,7 @@ fn ten_thousand_rectangles_in_32_bits_agree_with_64_bits() {
     }
 }
 
-/// `LTC_CHEAP_HORIZON` uses the cheap fit for the sphere of the same vector form factor.
+/// `LTC_CHEAP_HORIZON` uses the cheap fit for a sphere with the same vector form factor.
 #[test]
 fn the_cheap_horizon_of_polygons_is_the_fit_for_spheres() {
     let exact = |m: DMat3, polygon: &[DVec3]| {
@@ -196,12 +195,12 @@ fn the_cheap_horizon_of_polygons_is_the_fit_for_spheres() {
         assert!(error < 1e-4, "{error:e}: {} {:?}", case.m, case.vertices);
         lit[usize::from(found[0] > 0.0)] += usize::from(found[1] > 1e-3);
     }
-    assert!(lit.into_iter().all(|count| count > 500), "{lit:?} seen from behind and in front");
+    assert!(lit.into_iter().all(|count| count > 500), "{lit:?} lit from behind and from the front");
 }
 
-/// Lights a thousandth as large.
+/// Lights of a thousandth of the usual size.
 fn small_cases() -> Vec<Case> {
-    // Quadrature has no relative accuracy on these.
+    // Quadrature has no relative accuracy for these lights.
     let exact = |m: DMat3, polygon: &[DVec3]| Ltc::new(m).expect("regular").polygon(polygon, Sides::Two);
     let small = |(polygon, m): (Vec<DVec3>, DMat3)| {
         let centre = polygon.iter().sum::<DVec3>() / polygon.len() as f64;
@@ -210,10 +209,10 @@ fn small_cases() -> Vec<Case> {
     random_cases(COUNT).map(small).collect()
 }
 
-/// The integrals of small lights are about a millionth, as large as the rounding errors of the terms that cancel in the
-/// usual sum.
+/// The integrals of small lights are about 1e-6. The usual sum has terms that cancel, with rounding errors of the same
+/// size.
 #[test]
-fn small_lights_keep_their_digits() {
+fn small_lights_keep_relative_accuracy() {
     let cases = small_cases();
     for (who, found) in by_all(&cases) {
         let lit = cases.iter().zip(found).filter(|(case, _)| case.wanted > 1e-9);

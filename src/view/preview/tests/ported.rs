@@ -1,4 +1,4 @@
-//! The exported shader, on the GPU and by its twin on the CPU.
+//! Tests the exported shader on the GPU and its twin on the CPU.
 
 use std::f64::consts::TAU;
 
@@ -24,11 +24,11 @@ use ltcforge_shaders::{Bound, CASES, CORNERS, Case, Golden, Language, LitBy, SG_
 use ltcforge_translate::port;
 
 pub(super) fn lit_by(model: LightModel, layout: Option<Layout>) -> LitBy {
-    LitBy::new(model, layout).expect("a model that lights so")
+    LitBy::new(model, layout).expect("a model that supports this layout")
 }
 
 #[test]
-fn the_shaders_twin_gives_the_printed_values() {
+fn the_twin_of_the_shader_gives_the_printed_values() {
     for &layout in Layout::ALL {
         for format in [TexelFormat::F32, TexelFormat::F16] {
             let table = ShaderTable::new(&golden_table(layout), format);
@@ -46,11 +46,11 @@ fn the_shaders_twin_gives_the_printed_values() {
     }
 }
 
-/// A light for `ltc_example`: `count` vertices, or a disk's centre and half axes if `count` is 0.
+/// A light for `ltc_example`: `count` vertices, or the centre and half axes of a disk if `count` is 0.
 pub(super) struct ExampleLight {
     count: u8,
     given: Vec<DVec3>,
-    /// The polygon over which f64 integrates.
+    /// The polygon for the integral in f64.
     outline: Vec<DVec3>,
     /// Radius or width.
     size: f64,
@@ -70,7 +70,7 @@ impl ExampleLight {
     }
 }
 
-/// The lights that only LTCs support: a sphere, a tube and a line, through the horizon.
+/// The lights that only LTCs support: a sphere, a tube and a line. The horizon cuts each of them.
 pub(super) fn round_lights() -> Vec<ExampleLight> {
     let ends = vec![DVec3::new(0.3, -0.8, 0.9), DVec3::new(0.1, 1.2, -0.4)];
     let light =
@@ -81,7 +81,7 @@ pub(super) fn round_lights() -> Vec<ExampleLight> {
 pub(super) fn example_lights() -> Vec<ExampleLight> {
     let corners = CORNERS.map(DVec3::from_array);
     let mut lights = vec![ExampleLight { count: 4, given: corners.into(), outline: corners.into(), size: 0.0 }];
-    // Vertices run clockwise from the shaded point. At least one is below the horizon.
+    // The vertices run clockwise as seen from the shaded point. At least one is below the horizon.
     let (centre, x, y) = (DVec3::new(0.3, 0.2, 0.6), DVec3::new(0.9, 0.0, 0.4), DVec3::new(0.0, -0.8, 0.5));
     let around = |n: u32| -> Vec<DVec3> {
         let at = |k: u32| sin_cos(-TAU * f64::from(k) / f64::from(n));
@@ -95,7 +95,7 @@ pub(super) fn example_lights() -> Vec<ExampleLight> {
     lights
 }
 
-/// The words of an example's uniform.
+/// The words of the uniform of `ltc_example`.
 pub(super) fn case_words(case: &Case, light: &ExampleLight, two_sided: bool) -> [f32; 40] {
     let mut words = [0.0; 40];
     words[..3].copy_from_slice(&case.wo.map(|x| x as f32));
@@ -108,7 +108,7 @@ pub(super) fn case_words(case: &Case, light: &ExampleLight, two_sided: bool) -> 
     words
 }
 
-/// The file of `ltcforge shader` on the GPU: `M`, the terms, and the part that each kind of light covers.
+/// Runs the file of `ltcforge shader` on the GPU: `M`, the terms, and the part that each kind of light covers.
 #[test]
 fn the_exported_shader_agrees_with_f64() {
     let mut covered_somewhere = 0;
@@ -124,7 +124,7 @@ fn the_exported_shader_agrees_with_f64() {
         let words: Vec<[f32; 40]> =
             tried.iter().map(|(case, light, two_sided)| case_words(case, light, *two_sided)).collect();
         let shader = ShaderTable::new(&table, TexelFormat::F32);
-        // A result is the columns of M, then the terms and the covered parts.
+        // A result has the columns of M, then the terms and the covered parts.
         let found: Vec<[f32; 16]> = match example::run(&wgsl, "ltc_example", Some((&shader, Bound::Volumes)), &words) {
             Ok(found) => found,
             Err(GpuFailure::Absent(reason)) => return report_skipped(&reason),
@@ -149,9 +149,9 @@ fn the_exported_shader_agrees_with_f64() {
     assert!(covered_somewhere > 30, "{covered_somewhere}");
 }
 
-/// The constant that makes polygons, disks and spheres cheaper does not change tubes and lines.
+/// The constant for cheaper polygons, disks and spheres does not change tubes and lines.
 #[test]
-fn tubes_and_lines_are_exact_whatever_the_horizon_costs() {
+fn the_cheap_horizon_does_not_change_tubes_and_lines() {
     let table = golden_table(Layout::Reflected);
     let wgsl = String::from_utf8(port(Language::Wgsl, Layout::Reflected).expect("WGSL")).expect("UTF-8");
     let cheap = wgsl.replace("LTC_CHEAP_HORIZON: bool = false", "LTC_CHEAP_HORIZON: bool = true");
@@ -176,9 +176,10 @@ fn tubes_and_lines_are_exact_whatever_the_horizon_costs() {
     assert!(lit > 0.1, "{lit}");
 }
 
-/// The files without a table, on the GPU: every rule and every kind of light, lit from one side and from both.
+/// Runs the files without a table on the GPU: every rule and every kind of light, lit from one side and from both
+/// sides.
 #[test]
-fn the_shader_without_a_table_gives_what_f64_does() {
+fn the_shader_without_a_table_agrees_with_f64() {
     let lights = example_lights();
     let mut tried = Vec::new();
     for (case, light) in CASES.iter().flat_map(|case| lights.iter().map(move |light| (case, light))) {
@@ -197,10 +198,10 @@ fn the_shader_without_a_table_gives_what_f64_does() {
         let mut lit = 0;
         for ((case, light, two_sided), found) in tried.iter().zip(found) {
             let sides = if *two_sided { Sides::Two } else { Sides::One };
-            // The shader lights a disk as its octagon. f64 gets a polygon with as many edges.
+            // The shader replaces a disk by an octagon. f64 integrates a polygon with as many edges.
             let outline: Vec<[f64; 3]> = light.outline.iter().map(DVec3::to_array).collect();
             let expected = reflected([case.alpha_x, case.alpha_y], case.wo, &outline, sides, rule);
-            // The weight depends on the edges of the outline.
+            // The weight of the closed form depends on the edges of the outline.
             let tolerance = if light.count == 0 { 2e-2 } else { TOLERANCE };
             for (found, expected) in found.into_iter().zip(expected) {
                 let what = format!("{case:?} {} vertices, {two_sided}, {rule}", light.count);
@@ -212,17 +213,17 @@ fn the_shader_without_a_table_gives_what_f64_does() {
     }
 }
 
-/// The light of a spherical Gaussian.
+/// A light for spherical Gaussians.
 pub(super) fn sg_light() -> ExampleLight {
     let SgLight { axis, sharpness, amplitude } = SG_LIGHT;
     let given = vec![axis.into(), DVec3::new(sharpness, amplitude, 0.0)];
     ExampleLight { count: 1, given, outline: Vec::new(), size: 0.0 }
 }
 
-/// The file that lights by a Gaussian, on the GPU: both Gaussians and every kind of light, lit from one side and from
-/// both.
+/// Runs the file for light by a Gaussian on the GPU: both Gaussians and every kind of light, lit from one side and from
+/// both sides.
 #[test]
-fn the_shader_of_a_gaussian_gives_what_f64_does() {
+fn the_shader_of_a_gaussian_agrees_with_f64() {
     let wgsl = port(Language::Wgsl, lit_by(LightModel::Asg, None)).expect("WGSL");
     let wgsl = String::from_utf8(wgsl).expect("UTF-8");
     let mut lights = example_lights();
@@ -255,7 +256,7 @@ fn the_shader_of_a_gaussian_gives_what_f64_does() {
             1 => gaussians::reflected_sg(gaussian, alpha, case.wo, &SG_LIGHT),
             _ => gaussians::reflected(gaussian, alpha, case.wo, &outline, sides),
         };
-        // The points of the rule depend on the edges of the outline.
+        // The points of the quadrature depend on the edges of the outline.
         let tolerance = if light.count == 0 { 4e-2 } else { TOLERANCE };
         for (found, expected) in found.into_iter().zip(expected) {
             let what = format!("{case:?} {} vertices, {two_sided}, {gaussian}", light.count);
@@ -266,7 +267,8 @@ fn the_shader_of_a_gaussian_gives_what_f64_does() {
     assert!(lit > 30, "{lit}");
 }
 
-/// The shader lights a scene equally when it is mirrored or its corners have another order, and agrees with f64.
+/// The result of the shader does not change if the scene is mirrored or its corners are reordered, and it agrees with
+/// f64.
 #[test]
 fn the_shader_of_a_gaussian_lights_equivalent_scenes_equally() {
     let wgsl = port(Language::Wgsl, lit_by(LightModel::Asg, None)).expect("WGSL");
@@ -276,8 +278,8 @@ fn the_shader_of_a_gaussian_lights_equivalent_scenes_equally() {
         .map(|k| draw.lit_by(Roughness::Anisotropic, if k % 2 == 0 { [0.05, 1.2] } else { [1.0, 8.0] }))
         .collect();
     for gaussian in Gaussian::ALL {
-        // Every seventh variant, because each needs a submission. Seven does not divide eight orders, so all orders
-        // occur.
+        // Only every seventh variant runs, because each needs a submission. Seven and eight have no common factor, so
+        // all eight orders occur.
         let variants: Vec<(usize, Lit)> = scenes
             .iter()
             .enumerate()
@@ -311,9 +313,9 @@ fn the_shader_of_a_gaussian_lights_equivalent_scenes_equally() {
     }
 }
 
-/// The file that lights by a table of Gaussians, by its twin on the CPU and on the GPU.
+/// Runs the file for light by a table of Gaussians, on the GPU and by its twin on the CPU.
 #[test]
-fn the_shader_of_a_table_of_gaussians_gives_what_f64_does() {
+fn the_shader_of_a_table_of_gaussians_agrees_with_f64() {
     let layout = Layout::Reflected;
     let table = ShaderTable::new(&golden_table(layout), TexelFormat::F32);
     let wgsl = port(Language::Wgsl, lit_by(LightModel::Asg, Some(layout))).expect("WGSL");

@@ -1,4 +1,4 @@
-//! The passes that prefilter a picture, on the GPU, against the pyramid on the CPU.
+//! Compares the passes that prefilter a picture on the GPU with the pyramid on the CPU.
 
 use super::report_skipped;
 use crate::preview::gpu::{
@@ -7,11 +7,11 @@ use crate::preview::gpu::{
 };
 use ltcforge_light::textured::{LightImage, LightPyramid};
 
-/// Largest difference relative to the picture's largest number. The sums in f32 have at most as many texels as a side.
+/// Largest difference, relative to the picture's largest number. An f32 sum has at most as many texels as a side.
 const SAME: f32 = 2e-6;
 
 #[test]
-fn the_passes_make_the_pyramid_of_the_cpu() {
+fn the_passes_compute_the_pyramid_of_the_cpu() {
     for [width, height] in [[64, 64], [63, 41], [3, 50], [1, 7], [2, 1], [1, 1]] {
         let number = |i: usize| (i.wrapping_mul(2_654_435_761) % 1000) as f32 / 100.0;
         let texels = (0..width * height).map(|i| [number(3 * i), number(3 * i + 1), number(3 * i + 2)]).collect();

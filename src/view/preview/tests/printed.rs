@@ -1,5 +1,4 @@
-//! The programs in GLSL and HLSL, compiled by glslang and run on the GPU, against the WGSL that they are translated
-//! from.
+//! Compiles the programs in GLSL and HLSL with glslang, runs them on the GPU, and compares them with the original WGSL.
 
 use std::{borrow::Cow, fs, io::ErrorKind, path::Path, process::Command};
 
@@ -18,10 +17,10 @@ use ltcforge_light::{LightModel, normals::NormalsRule};
 use ltcforge_shaders::{Bound, CASES, Language, LitBy, golden_table};
 use ltcforge_translate::port;
 
-/// The tolerance between two compilers, which may order sums and fuse products differently.
+/// The tolerance between two compilers. They may reorder sums and fuse products differently.
 const APART: f32 = 2e-5;
 
-/// A table's bindings in OpenGL, and in Vulkan, which has separate samplers.
+/// Replaces the bindings of OpenGL by those of Vulkan, which has separate samplers.
 const VULKAN: [(&str, &str); 7] = [
     ("#version 450 core", "#version 450 core\n#extension GL_EXT_samplerless_texture_functions : require"),
     ("layout(binding = 0) uniform sampler3D", "layout(binding = 1) uniform texture3D"),
@@ -32,7 +31,7 @@ const VULKAN: [(&str, &str); 7] = [
     ("layout(std140, binding = 0) uniform", "layout(std140, set = 0, binding = 0) uniform"),
 ];
 
-/// The program in SPIR-V; `None` without glslang.
+/// The program in SPIR-V. `None` without glslang.
 fn compiled(language: Language, lit_by: LitBy, folder: &Path) -> Option<Vec<u32>> {
     let mut text = String::from_utf8(port(language, lit_by).expect("a program")).expect("UTF-8");
     if language == Language::Glsl && lit_by.layout().is_some() {
@@ -60,8 +59,7 @@ fn compiled(language: Language, lit_by: LitBy, folder: &Path) -> Option<Vec<u32>
     Some(bytes.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect())
 }
 
-/// Compares both languages with WGSL. Returns the number of results that are not zero, or `None` if the check was
-/// skipped.
+/// Compares both languages with WGSL. Returns the number of nonzero results, or `None` if the check was skipped.
 fn compare<Found: Pod + AsRef<[f32]>>(lit_by: LitBy) -> Option<usize> {
     let table = lit_by.layout().map(|layout| ShaderTable::new(&golden_table(layout), TexelFormat::F32));
     let table = table.as_ref().map(|table| (table, Bound::Volumes));
@@ -107,7 +105,7 @@ fn compare<Found: Pod + AsRef<[f32]>>(lit_by: LitBy) -> Option<usize> {
 }
 
 #[test]
-fn programs_without_a_table_compute_what_the_wgsl_does() {
+fn programs_without_a_table_agree_with_the_wgsl() {
     let rules = NormalsRule::SHADED.map(|rule| lit_by(LightModel::Normals, None).by_rule(Some(rule)).expect("a rule"));
     for lit_by in rules.into_iter().chain([lit_by(LightModel::Asg, None)]) {
         let Some(lit) = compare::<[f32; 4]>(lit_by) else { return };
@@ -116,7 +114,7 @@ fn programs_without_a_table_compute_what_the_wgsl_does() {
 }
 
 #[test]
-fn programs_that_read_a_table_compute_what_the_wgsl_does() {
+fn programs_that_read_a_table_agree_with_the_wgsl() {
     for layout in Layout::ALL {
         let Some(lit) = compare::<[f32; 16]>((*layout).into()) else { return };
         assert!(lit > 100, "{layout}: {lit}");

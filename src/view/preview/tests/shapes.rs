@@ -1,4 +1,4 @@
-//! `ltc_shapes.wgsl` and its twin against f64.
+//! Compares `ltc_shapes.wgsl` and its CPU twin with f64.
 
 use std::f64::consts::TAU;
 
@@ -16,7 +16,7 @@ use ltcforge_fit::{Ltc, Sides, testing::mirror_like};
 use ltcforge_light::CosineSpace;
 use ltcforge_shaders::{Bound, joined};
 
-/// Integrates each kind of light for the matrix and the three vectors of a case.
+/// Integrates each kind of light. A case has a matrix and three vectors.
 const ENTRY: &str = "
 struct Case {
     m: array<vec4<f32>, 3>,
@@ -44,8 +44,8 @@ fn covered(@builtin(local_invocation_index) index: u32) {
 
 const COUNT: usize = 20 * 256;
 
-/// A lobe and its lights. A disk has the centre and the half axes. A sphere has the centre and radius `size`. A tube
-/// and a line extend from the centre by the first half axis to both sides, with radius or width `size`.
+/// A lobe and its lights. The disk has a centre and two half axes. The sphere has the centre and radius `size`. The
+/// tube and the line extend from the centre by the first half axis in both directions, with radius or width `size`.
 struct Case {
     m: Mat3,
     places: [Vec3; 3],
@@ -53,7 +53,7 @@ struct Case {
 }
 
 impl Case {
-    /// The results in f64 for the numbers rounded to 32 bits.
+    /// The results in f64, for the same inputs rounded to 32 bits.
     fn wanted(&self) -> [f64; 4] {
         let ltc = Ltc::new(self.m.as_dmat3()).expect("regular");
         let space = CosineSpace::from(&ltc);
@@ -70,8 +70,8 @@ impl Case {
     }
 }
 
-/// Lobes of roughness from 0.01 on, and lights of any size around them. Some are hard: edge on, around the shaded
-/// point, of size zero, or with parallel half axes.
+/// Lobes with roughness from 0.01 on, and lights of all sizes around them. Some lights are hard: seen edge-on, around
+/// the shaded point, of size zero, or with parallel half axes.
 fn cases() -> Vec<Case> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(21);
     let mut within =
@@ -117,7 +117,7 @@ fn words(case: &Case) -> [f32; 24] {
 }
 
 #[test]
-fn thousands_of_lights_in_32_bits_are_those_of_f64() {
+fn thousands_of_lights_in_32_bits_agree_with_f64() {
     let cases = cases();
     let mut all = vec![("CPU", cases.iter().map(|case| cpu::shapes_covered(case.m, case.places, case.size)).collect())];
     let words: Vec<[f32; 24]> = cases.iter().map(words).collect();
@@ -146,7 +146,7 @@ fn thousands_of_lights_in_32_bits_are_those_of_f64() {
             errors.sort_by(f64::total_cmp);
             let [p50, p99, p999] = [50, 990, 999].map(|part| errors[COUNT * part / 1000]);
             println!("{who} {name}: {p50:e} {p99:e} {p999:e} {:e}", errors[COUNT - 1]);
-            // One in sixty-four lines points at the shaded point, where terms must cancel.
+            // One in 64 lines points at the shaded point, where terms must cancel.
             let most = if name == "line" { 5e-4 } else { 1e-3 };
             assert!(p99 < 2e-5 && p999 < most, "{who} {name}: {p99:e} {p999:e}");
         }

@@ -1,4 +1,4 @@
-//! Pictures on lights on the GPU, for thousands of random lights, against f64.
+//! Compares pictures on lights on the GPU with f64, for thousands of random lights.
 
 use std::ops::ControlFlow;
 
@@ -19,7 +19,7 @@ use ltcforge_light::{
 };
 use ltcforge_shaders::{Additions, Lights, LitBy, Reading, functions};
 
-/// `rows` are the rows of an LTC's matrix or of its inverse.
+/// `rows` are the rows of an LTC's matrix, or of its inverse.
 const CASE: &str = "
 struct Case {
     wo: vec3<f32>,
@@ -54,7 +54,7 @@ fn pictures(@builtin(local_invocation_index) index: u32) {
     found[index] = vec4(textured.colour, textured.covered);
 }
 ";
-/// The reflected light of a light with a picture, and of the same light without it.
+/// The reflected light with a picture, and the same light without the picture.
 const BOTH_BY_NORMALS: &str = "
 @compute @workgroup_size(64)
 fn pictures(@builtin(local_invocation_index) index: u32) {
@@ -65,7 +65,7 @@ fn pictures(@builtin(local_invocation_index) index: u32) {
     found[index] = vec4(textured.colour * textured.parts.x, normals_rectangle(view, corners, true).x);
 }
 ";
-/// The same comparison by a table, for a reflectance of a half at normal incidence.
+/// The same comparison by a table, for a reflectance of 0.5 at normal incidence.
 const BOTH_BY_LTC: &str = "
 @compute @workgroup_size(64)
 fn pictures(@builtin(local_invocation_index) index: u32) {
@@ -78,7 +78,7 @@ fn pictures(@builtin(local_invocation_index) index: u32) {
 }
 ";
 
-/// A picture with a dot, a checkerboard and a ramp, `side` texels on each side.
+/// A picture with a dot, a checkerboard and a ramp. `side` is its size in texels.
 fn picture(side: usize) -> LightPyramid {
     let texel = |i: usize| {
         let [u, v] = [i % side, i / side].map(|x| (64 * x) as f32 / side as f32);
@@ -88,7 +88,7 @@ fn picture(side: usize) -> LightPyramid {
     LightPyramid::new(&LightImage::new(side, side, (0..side * side).map(texel).collect()).expect("an image"))
 }
 
-/// A light, its numbers in 32 bits, and an LTC around the reflected view.
+/// A light, its numbers in 32 bits, and an LTC around the mirror direction of the view.
 struct Single {
     words: [f32; 36],
     alpha: [f64; 2],
@@ -125,7 +125,7 @@ fn put_rows(words: &mut [f32; 36], matrix: &DMat3) {
     }
 }
 
-/// The results of an entry point for each light; `None` without a GPU.
+/// The result of an entry point for each light. `None` without a GPU.
 fn found(source: &str, picture: (&LightPyramid, u32), words: &[[f32; 36]]) -> Option<Vec<[f32; 4]>> {
     let (groups, rest) = words.as_chunks::<64>();
     assert!(rest.is_empty(), "the shader takes 64 at a time");
@@ -139,14 +139,14 @@ fn found(source: &str, picture: (&LightPyramid, u32), words: &[[f32; 36]]) -> Op
     }
 }
 
-/// A shader with pictures on lights.
+/// A shader that supports pictures on lights.
 fn textured(lit_by: LitBy, number: Readings) -> String {
     let lit_by = lit_by.with(Additions { textured: Some(number), ..Additions::default() }).expect("pictures");
     functions(lit_by, Reading::default(), Lights::All) + CASE
 }
 
 #[test]
-fn the_shaders_read_pictures_as_f64_does() {
+fn the_shaders_read_pictures_like_f64() {
     let mut draw = Draw::new(4410);
     let lights: Vec<Single> = (0..32 * 64).map(|_| Single::of(&draw.lit_by(Roughness::All, [0.05, 1.2]))).collect();
     let normals = LitBy::new(LightModel::Normals, None).expect("a model");
@@ -169,9 +169,9 @@ fn the_shaders_read_pictures_as_f64_does() {
     }
 }
 
-/// Lamps with a profile of 512 x 512 texels, by the second function of each shader.
+/// Lamps with a profile of 512 x 512 texels. Each shader has a second function for them.
 #[test]
-fn the_shaders_read_profiles_as_f64_does() {
+fn the_shaders_read_profiles_like_f64() {
     let mut draw = Draw::new(4414);
     let lights: Vec<Single> = (0..32 * 64).map(|_| Single::of(&draw.lit_by(Roughness::All, [0.05, 1.2]))).collect();
     let profile = picture(512);
@@ -202,8 +202,8 @@ fn the_shaders_read_profiles_as_f64_does() {
     check((LitBy::from(Layout::Reflected), 5, &of_lamps(LTC)), Readings::Four, &profile, &lights, expected);
 }
 
-/// Compares colours and parts of lights with f64: 99 of 100 colours are within 0.001, and 999 of 1000 within 0.004,
-/// because samplers of GPUs have weights of 8 bits.
+/// Compares colours and energies with f64. 99 of 100 colours are within 0.001, and 999 of 1000 within 0.004. The limits
+/// allow for the 8-bit weights of GPU samplers.
 fn check(
     (lit_by, first, entry): (LitBy, u32, &str),
     number: Readings,
@@ -230,9 +230,10 @@ fn check(
     assert!(count > 1500 && usual < 1e-3 && rare < 4e-3, "{}: {usual} {rare} {most}", lit_by.name());
 }
 
-/// A picture of one colour, of any size, lights like a light without a picture: by `normals` and by a fitted table.
+/// A light with a picture of one colour, of any size, lights like a light without a picture: by `normals` and by a
+/// fitted table.
 #[test]
-fn the_shaders_light_one_colour_as_without_a_picture() {
+fn a_picture_of_one_colour_lights_like_no_picture() {
     const COLOUR: [f32; 3] = [0.3, 1.1, 3.7];
     let recipe = recipe_document::parse(br#"{"preset": "draft"}"#, u64::MAX).expect("a recipe");
     let table = fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it");
@@ -269,10 +270,10 @@ fn the_shaders_light_one_colour_as_without_a_picture() {
     }
 }
 
-/// The shader has finite values for matrices that no fit makes: nearly of rank one or two, and of any size, with small
-/// and large lights far and near.
+/// The shader returns finite values for matrices that no fit produces: nearly of rank one or two, and of any scale,
+/// with small and large lights at all distances.
 #[test]
-fn the_shaders_have_finite_values_for_degenerate_matrices() {
+fn the_shaders_return_finite_values_for_degenerate_matrices() {
     let mut draw = Draw::new(4413);
     let case = |i: usize| {
         let mut words = Single::of(&draw.lit_by(Roughness::All, [0.001, 20.0])).words;

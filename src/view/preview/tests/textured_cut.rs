@@ -1,4 +1,4 @@
-//! Pictures on lights that reach below the surface, by tables whose lobes end at the surface.
+//! Tests pictures on lights that extend below the surface, for tables whose lobes end at the surface.
 
 use std::ops::ControlFlow;
 
@@ -12,10 +12,10 @@ use ltcforge_light::{
     textured::{LightImage, LightPyramid, Readings, TexturedLight},
 };
 
-/// Side of the pictures in texels.
+/// Side of the picture in texels.
 const SIDE: usize = 48;
 
-/// Squares, a ramp, and a lower half that is brighter than the upper one.
+/// Squares, a ramp, and a lower half that is brighter than the upper half.
 fn picture() -> Vec<[f32; 3]> {
     let texel = |i: usize| {
         let [x, y] = [i % SIDE, i / SIDE];
@@ -25,7 +25,7 @@ fn picture() -> Vec<[f32; 3]> {
     (0..SIDE * SIDE).map(texel).collect()
 }
 
-/// An upright light across the view, with the first `rows` of its picture.
+/// An upright light across the view, with the first `rows` rows of its picture.
 fn light([distance, width, texel]: [f64; 3], above: usize, rows: usize) -> (TexturedLight, LightImage) {
     let [top, bottom] = [above as f64 * texel, (above as f64 - rows as f64) * texel];
     let corner = |y: f64, z: f64| DVec3::new(distance, y * width, z);
@@ -35,10 +35,10 @@ fn light([distance, width, texel]: [f64; 3], above: usize, rows: usize) -> (Text
     (TexturedLight::new(light).expect("a rectangle"), image)
 }
 
-/// For a table whose lobes end at the surface, cropping a light at the surface reduces the error: the prefilter would
-/// blur the part of the picture below the surface into the part above.
+/// If a table's lobes end at the surface, cropping a light at the surface reduces the error. Without cropping, the
+/// prefilter would blur the picture's part below the surface into the part above.
 #[test]
-fn pictures_below_the_surface_are_best_cropped() {
+fn cropping_pictures_at_the_surface_reduces_the_error() {
     let recipe = recipe_document::parse(br#"{"preset": "draft"}"#, u64::MAX).expect("a recipe");
     let table = fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it");
     let used = (TableUse { cut: true, blend: false }, Readings::Four);
@@ -68,6 +68,6 @@ fn pictures_below_the_surface_are_best_cropped() {
         }
     }
     let [whole, cropped] = sums.map(|sum| sum / count);
-    println!("mean error {whole:.4}; of the light cropped at the surface {cropped:.4}");
+    println!("mean error {whole:.4}; with the light cropped at the surface {cropped:.4}");
     assert!(cropped < 0.8 * whole && whole < 2.0 * cropped, "{whole} {cropped}");
 }

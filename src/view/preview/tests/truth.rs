@@ -16,11 +16,11 @@ use ltcforge_fit::{
 };
 use ltcforge_light::LightModel;
 
-/// The tolerance, relative to the light's energy.
+/// The tolerance, relative to the reflected energy.
 const TOLERANCE: f64 = 0.005;
-/// The least energy that errors are divided by, relative to the energy of a light all around.
+/// Errors of dim points are divided by this energy, relative to the energy of a light from everywhere.
 const DIM: f64 = 0.05;
-/// The least energy of a lit point, relative to the energy of a light all around.
+/// The least energy of a lit point, relative to the energy of a light from everywhere.
 const LIT: f64 = 0.02;
 const SIZE: u32 = 64;
 const FLAT: &[LightKind] = &[LightKind::Rectangle, LightKind::Disk, LightKind::Polygon(3), LightKind::Polygon(6)];
@@ -28,8 +28,8 @@ const ROUND: &[LightKind] = &[LightKind::Sphere, LightKind::Tube, LightKind::Lin
 /// Samples per pixel. Their noise is a third of the tolerance.
 const SAMPLES: u32 = 1 << 13;
 
-/// A point of the sphere in f64, by this test's own geometry. `to_local` has the rows of its tangent frame, and `wo` is
-/// in it.
+/// A point of the sphere in f64, from this test's own geometry. The rows of `to_local` are its tangent frame, and `wo`
+/// is in this frame.
 struct Point {
     position: DVec3,
     to_local: DMat3,
@@ -50,11 +50,11 @@ fn point_in(scene: &Scene, pixel: [u32; 2]) -> Option<Point> {
     let turned = DMat3::from_axis_angle(position, scene.materials[0].rotation);
     let (x, y) = (turned * along, turned * position.cross(along));
     let to_local = DMat3::from_cols(x, y, position).transpose();
-    // The sphere covers pixels at its rim only in part.
+    // The sphere covers the pixels at its rim only partly.
     (beside2 < 0.98).then(|| Point { position, to_local, wo: to_local * (eye - position).normalize() })
 }
 
-/// Midpoints of a grid over a convex polygon's fan of triangles, each with its area.
+/// Midpoints of a grid over the triangle fan of a convex polygon, each with its area.
 fn grid(vertices: &[DVec3]) -> Vec<(DVec3, f64)> {
     const N: usize = 320;
     let mut points = Vec::new();
@@ -62,7 +62,7 @@ fn grid(vertices: &[DVec3]) -> Vec<(DVec3, f64)> {
         let (a, b, c) = (vertices[0], vertices[i - 1], vertices[i]);
         let area = 0.5 * (b - a).cross(c - a).length();
         for j in 0..N {
-            // Strips of the triangle between two parallels to the side b c.
+            // Strips of the triangle, parallel to the side b c.
             let t = (j as f64 + 0.5) / N as f64;
             let share = area * (2.0 * j as f64 + 1.0) / (N * N) as f64 / N as f64;
             points.extend((0..N).map(|k| (a + t * (b.lerp(c, (k as f64 + 0.5) / N as f64) - a), share)));
@@ -71,7 +71,7 @@ fn grid(vertices: &[DVec3]) -> Vec<(DVec3, f64)> {
     points
 }
 
-/// Points of an ellipse with their areas, in rings of equal area.
+/// Points of an ellipse with their areas, on rings of equal area.
 fn rings(ellipse: &Ellipse<DVec3, f64>) -> Vec<(DVec3, f64)> {
     const N: usize = 800;
     let [x, y] = ellipse.half_axes.map(|(axis, _)| axis);
@@ -101,10 +101,10 @@ fn surface([start, end]: [DVec3; 2], radius: f64) -> Vec<(DVec3, DVec3, f64)> {
     points
 }
 
-/// A point of a light, its share of the area, and the cosine at which directions leave it.
+/// A point of a light, its share of the area, and a function for the cosine of the emission angle.
 type Sample = (DVec3, f64, Box<dyn Fn(DVec3) -> f64>);
 
-/// The light's points, each with its area and its cosine along a direction from the shaded point.
+/// The light's points, each with its area and the cosine for a direction from the shaded point.
 fn points(scene: &Scene) -> Vec<Sample> {
     let outline = scene.light.outline();
     let (normal, two_sided) = (outline.normal, scene.light.two_sided);
@@ -128,7 +128,7 @@ fn points(scene: &Scene) -> Vec<Sample> {
     }
 }
 
-/// Radiance for each channel, by summing `reflects(wo, wi) -> (all, Fresnel part)` over the light.
+/// Radiance for each channel: the sum of `reflects(wo, wi) -> (all, Fresnel part)` over the light.
 fn expected(scene: &Scene, point: &Point, reflects: impl Fn(DVec3, DVec3) -> (f64, f64)) -> [f64; 3] {
     let (mut all, mut fresnel) = (0.0, 0.0);
     for (at, area, cosine) in points(scene) {
@@ -143,8 +143,8 @@ fn expected(scene: &Scene, point: &Point, reflects: impl Fn(DVec3, DVec3) -> (f6
     scene.f0.map(|f0| scene.light.intensity * (f0 * (all - fresnel) + fresnel))
 }
 
-/// Twenty materials, lights, cameras and pixels, from sharp to rough. The lights are near the mirror direction, and the
-/// horizon cuts some of them. The last case is the roughest surface with a view from above.
+/// Twenty sets of material, light, camera and pixel, from sharp to rough. The lights are near the mirror direction, and
+/// the horizon cuts some of them. The last set has the roughest surface and a view from above.
 fn configurations(kinds: &[LightKind]) -> Vec<(Scene, [u32; 2])> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(20);
     let mut within = |low: f64, high: f64| low + (high - low) * (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
@@ -178,7 +178,7 @@ fn configurations(kinds: &[LightKind]) -> Vec<(Scene, [u32; 2])> {
             intensity: 2.0,
             two_sided: found.len() % 2 == 0,
         };
-        // Another test has spheres and tubes that contain the shaded point.
+        // Another test covers spheres and tubes that contain the shaded point.
         if let Shape::Tube { ends: [start, end], radius } = scene.light.outline().shape {
             let along = end - start;
             let foot = (point.position - start).dot(along) / along.length_squared().max(1e-30);
@@ -195,11 +195,11 @@ fn configurations(kinds: &[LightKind]) -> Vec<(Scene, [u32; 2])> {
     found
 }
 
-/// Compares the renderers' radiance with the truth. In most configurations the surface reflects light. `faint` is the
-/// light that a surface reflects in one direction, relative to metal. It scales the tolerance and the threshold of lit
+/// Compares the renderers' radiance with the expected radiance. Most configurations must be lit. `faint` is the light
+/// that a surface reflects in one direction, relative to metal. It scales the tolerance and the threshold for lit
 /// points.
 fn assert_true(
-    mut renderers: Vec<Preview>,
+    renderers: &mut [Preview],
     table: &Arc<ShaderTable>,
     (estimator, kinds): (Estimator, &[LightKind]),
     faint: f64,
@@ -213,7 +213,7 @@ fn assert_true(
         let point = point_in(&scene, pixel).expect("on the sphere");
         let wanted = truth(&scene, &point);
         lit += usize::from(wanted[1] > faint * LIT * scene.light.intensity);
-        for preview in &mut renderers {
+        for preview in &mut *renderers {
             let part = preview.part(table, &scene, estimator, pixel, [1, 1]).expect("radiance");
             let found = part.pixels[0].map(f64::from);
             for (found, wanted) in found.into_iter().zip(wanted) {
@@ -223,14 +223,14 @@ fn assert_true(
         }
     }
     let least = if faint < 1.0 { 6 } else { 12 };
-    assert!(lit >= least, "{}: only {lit} are lit", table.brdf);
+    assert!(lit >= least, "{}: only {lit} points are lit", table.brdf);
 }
 
 #[test]
 fn the_reference_converges_to_the_integral_of_ggx() {
     for kinds in [FLAT, ROUND] {
         let table = shader_table(TexelFormat::F32);
-        assert_true(renderers(), &table, (Estimator::Reference, kinds), 1.0, |scene, point| {
+        assert_true(&mut renderers(), &table, (Estimator::Reference, kinds), 1.0, |scene, point| {
             integral(&BrdfKind::Ggx.into(), scene, point)
         });
     }
@@ -246,24 +246,24 @@ fn integral(brdf: &BrdfModel, scene: &Scene, point: &Point) -> [f64; 3] {
     })
 }
 
-/// A table's reference is of its own scattering model, rendered by the CPU.
+/// The reference of a table uses the table's scattering model, and is rendered by the CPU.
 #[test]
 fn every_reference_converges_to_the_integral_of_its_model() {
     for brdf in BrdfKind::formulas().map(BrdfModel::from).chain([planted_tabulated(), planted_anisotropic()]) {
         let table = Arc::new(ShaderTable::new(&Table { brdf: brdf.clone(), ..planted() }, TexelFormat::F32));
-        let renderers = vec![Preview::new(Adapter::Any), Preview::new(Adapter::Cpu)];
-        // Sheen and diffuse surfaces reflect little light in any direction.
+        let mut renderers = [Adapter::Any, Adapter::Cpu].map(Preview::new);
+        // Sheen and diffuse surfaces reflect little light in any single direction.
         let faint = if brdf.follows_reflection() { 1.0 } else { 0.1 };
         let kinds = [LightKind::Disk, LightKind::Tube, LightKind::Sphere, LightKind::Line];
         let reference = (Estimator::Reference, &kinds[..]);
-        assert_true(renderers, &table, reference, faint, |scene, point| integral(&brdf, scene, point));
+        assert_true(&mut renderers, &table, reference, faint, |scene, point| integral(&brdf, scene, point));
     }
 }
 
-/// Shaders only have the reference of GGX, and model `normals` is for GGX. Pictures that would compare them with a
-/// table of another model are refused. Pictures without a reference are accepted.
+/// Shaders only have the reference for GGX, and model `normals` only supports GGX. Pictures that would compare them
+/// with a table of another model are rejected. Pictures without a reference are accepted.
 #[test]
-fn pictures_that_would_compare_different_models_are_refused() {
+fn pictures_that_would_compare_different_models_are_rejected() {
     let planted = Table { brdf: BrdfKind::Charlie.into(), ..planted() };
     let table = Arc::new(ShaderTable::new(&planted, TexelFormat::F32));
     let scene = |mode, model| Scene { mode, model, size: 64, spp: 1, ..Scene::default() };
@@ -276,10 +276,10 @@ fn pictures_that_would_compare_different_models_are_refused() {
     ] {
         assert_eq!(cpu.render(&table, &scene, &|| false), refused(TableFault::OtherBrdf(BrdfKind::Charlie)));
     }
-    // The model has no facets that lose light to each other.
+    // The model has no facets, so there is nothing to compensate.
     let compensated = Scene { compensate: true, ..scene(Mode::Ltc, LightModel::Ltc) };
     assert_eq!(cpu.render(&table, &compensated, &|| false), refused(TableFault::NoFacets(BrdfKind::Charlie)));
-    // The model has no Fresnel factor: its reflectance is one, which is also the default.
+    // The model has no Fresnel factor. Its only reflectance is one, which is also the default.
     let dark = Scene { f0: [0.04; 3], ..scene(Mode::Ltc, LightModel::Ltc) };
     assert_eq!(cpu.render(&table, &dark, &|| false), refused(TableFault::NoFresnel(BrdfKind::Charlie)));
     // All faults of a picture are reported at once.
@@ -293,14 +293,14 @@ fn pictures_that_would_compare_different_models_are_refused() {
     let strip = scene(Mode::Strip, LightModel::Ltc);
     let mut gpu = Preview::new(Adapter::Gpu);
     assert_eq!(gpu.render(&table, &strip, &|| false), Err(PreviewError::CpuOnly(BrdfKind::Charlie)));
-    let rendered = Preview::new(Adapter::Any).render(&table, &strip, &|| false).expect("the CPU has it");
+    let rendered = Preview::new(Adapter::Any).render(&table, &strip, &|| false).expect("the CPU renders it");
     assert_eq!(rendered.adapter, "cpu");
     assert_eq!(rendered.errors.len(), 1);
     assert!(cpu.render(&table, &scene(Mode::Lobe, LightModel::Ltc), &|| false).is_ok());
     assert!(cpu.render(&table, &scene(Mode::Ltc, LightModel::Ltc), &|| false).is_ok());
 }
 
-/// Without its file a tabulated BRDF has no reference, but its table is shown.
+/// A tabulated BRDF without its file has no reference, but its table can be shown.
 #[test]
 fn a_missing_file_is_an_error_if_the_reference_is_shown() {
     let unread = BrdfModel::tabulated(TabulatedFile::unread([7; 32]));
@@ -315,10 +315,10 @@ fn a_missing_file_is_an_error_if_the_reference_is_shown() {
 }
 
 #[test]
-fn a_planted_diffuse_table_is_lit_as_a_diffuse_surface() {
+fn a_planted_diffuse_table_is_lit_like_a_diffuse_surface() {
     let table = Arc::new(ShaderTable::new(&diffuse(), TexelFormat::F32));
     for kinds in [FLAT, ROUND] {
-        assert_true(renderers(), &table, (Estimator::Table(LobeModel::Ltc), kinds), 1.0, |scene, point| {
+        assert_true(&mut renderers(), &table, (Estimator::Table(LobeModel::Ltc), kinds), 1.0, |scene, point| {
             expected(scene, point, |_, wi| (wi.z.max(0.0) / PI, 0.0))
         });
     }

@@ -1,4 +1,4 @@
-//! The GPU and the CPU against each other.
+//! Compares the GPU with the CPU.
 
 use super::{lookups::fitted_to, *};
 use crate::{
@@ -14,7 +14,7 @@ pub(super) fn render(preview: &mut Preview, table: &Arc<ShaderTable>, scene: &Sc
     preview.render(table, scene, GO_ON).expect("a picture")
 }
 
-/// Mean absolute difference in units of 1/255, and the part of the pixels that differ by more than 2/255.
+/// The mean absolute difference in units of 1/255, and the share of pixels that differ by more than 2/255.
 pub(super) fn apart(a: &Picture, b: &Picture) -> (f64, f64) {
     assert_eq!((a.width, a.height), (b.width, b.height));
     let differences = a.rgb.iter().zip(&b.rgb).map(|(a, b)| [0, 1, 2].map(|i| a[i].abs_diff(b[i])));
@@ -33,11 +33,11 @@ fn assert_twins(a: &Picture, b: &Picture, what: &str) {
     assert!(mean <= 0.5 && far <= 0.001, "{what}: mean {mean}/255, {far} of the pixels beyond 2/255");
 }
 
-/// Every scene in every mode. They include the cases that shaders have to guard against.
+/// Every scene in every mode, including the cases that shaders must guard against.
 #[test]
 fn gpu_and_cpu_agree_in_every_mode_and_scene() {
     let mut renderers = renderers();
-    let [gpu, cpu] = renderers.as_mut_slice() else { return };
+    let [gpu, cpu] = &mut *renderers else { return };
     for table in shader_tables() {
         for (named, mode) in NamedScene::ALL.iter().flat_map(|named| Mode::ALL.iter().map(move |mode| (named, *mode))) {
             let scene = Scene { size: 128, spp: 8, mode, ..named.scene() };
@@ -55,7 +55,7 @@ fn gpu_and_cpu_agree_in_every_mode_and_scene() {
     }
 }
 
-/// Cameras close to the sphere, straight above and below, on the floor and under it.
+/// Cameras close to the sphere, straight above and below it, on the floor, and below the floor.
 pub(super) fn cameras() -> impl Iterator<Item = Scene> {
     let places =
         [(1.5, 0.3, 2.5), (4.5, -1.57, 0.5), (4.5, 1.57, 0.5), (4.0, 0.0, 0.8), (4.0, 1e-4, 0.8), (4.0, -0.4, 2.0)];
@@ -71,7 +71,7 @@ pub(super) fn cameras() -> impl Iterator<Item = Scene> {
 #[test]
 fn gpu_and_cpu_agree_from_everywhere() {
     let mut renderers = renderers();
-    let [gpu, cpu] = renderers.as_mut_slice() else { return };
+    let [gpu, cpu] = &mut *renderers else { return };
     let table = shader_table(TexelFormat::F32);
     let by_normals = |scene: &Scene| Scene { mode: Mode::Ltc, model: LightModel::Normals, ..scene.clone() };
     let by_gaussian = |scene: &Scene| {
@@ -88,18 +88,19 @@ fn gpu_and_cpu_agree_from_everywhere() {
     }
 }
 
-/// Lights so small that their integrals are as large as rounding errors, and so bright that these errors would show.
+/// The integrals of these lights are as small as rounding errors. The lights are so bright that rounding errors would
+/// be visible.
 #[test]
 fn gpu_and_cpu_agree_under_small_lights() {
     let mut renderers = renderers();
-    let [gpu, cpu] = renderers.as_mut_slice() else { return };
+    let [gpu, cpu] = &mut *renderers else { return };
     let table = shader_table(TexelFormat::F32);
     let ltc = &[LightModel::Ltc][..];
     for (half_size, centre, exposure, models) in [
         ("0.001,0.001", "-6,7,8", "10000", ltc),
         ("0.02,0.02", "-36,42,48", "1000", ltc),
         ("0.002,0.002", "-1.6,1.8,2.2", "100", ltc),
-        // The closed form loses digits earlier: a light of a hundredth of a radian.
+        // The closed form loses accuracy earlier: for a light of a hundredth of a radian.
         ("0.03,0.03", "-3.6,4.2,4.8", "10", LightModel::ALL),
     ] {
         let scene = [
@@ -120,11 +121,11 @@ fn gpu_and_cpu_agree_under_small_lights() {
     }
 }
 
-/// Lights of every shape, by every model: next to the surface, around a part of it, and far along their axes.
+/// Lights of every shape, by every model: next to the surface, around a part of the surface, and far away.
 #[test]
 fn gpu_and_cpu_agree_on_every_shape() {
     let mut renderers = renderers();
-    let [gpu, cpu] = renderers.as_mut_slice() else { return };
+    let [gpu, cpu] = &mut *renderers else { return };
     let table = shader_table(TexelFormat::F32);
     for (named, kind) in [NamedScene::Sphere, NamedScene::BrushedFloor, NamedScene::Horizon]
         .into_iter()
@@ -150,12 +151,12 @@ fn gpu_and_cpu_agree_on_every_shape() {
     }
 }
 
-/// A picture on the light above, below and behind the surface, and from its dark side. Every model, rule and number of
-/// readings renders it.
+/// A picture on a light that is above, below or behind the surface, or shows its dark side. Every model, rule and
+/// number of texture reads renders it.
 #[test]
 fn gpu_and_cpu_agree_on_pictures() {
     let mut renderers = renderers();
-    let [gpu, cpu] = renderers.as_mut_slice() else { return };
+    let [gpu, cpu] = &mut *renderers else { return };
     let two_lobes =
         ["two_lobes", "blended_lobes"].map(|fresnel| fitted_to(fresnel, Layout::Reflected, Precision::F32, false));
     let tables = [vec![reflected()], two_lobes.into()].concat();
@@ -196,11 +197,11 @@ fn gpu_and_cpu_agree_on_pictures() {
     assert!(changed > 70, "{changed} pictures differ without the picture on the light");
 }
 
-/// Every model and the reference compensate for lost light, and pictures are brighter.
+/// Every model and the reference compensate for the light lost between facets. The pictures must become brighter.
 #[test]
-fn gpu_and_cpu_agree_on_what_facets_lose() {
+fn gpu_and_cpu_agree_on_compensation() {
     let mut renderers = renderers();
-    let [gpu, cpu] = renderers.as_mut_slice() else { return };
+    let [gpu, cpu] = &mut *renderers else { return };
     let table = shader_table(TexelFormat::F32);
     let materials = vec![Material { alpha_x: 0.9, alpha_y: 0.4, rotation: 0.5 }];
     let models = LightModel::ALL.iter().map(|model| (Mode::Ltc, *model));
@@ -215,11 +216,11 @@ fn gpu_and_cpu_agree_on_what_facets_lose() {
     }
 }
 
-/// Lights of every shape whose part below the surface is cut off.
+/// Lights of every shape. The part of the light below the surface is cut off.
 #[test]
 fn gpu_and_cpu_agree_on_lights_that_the_surface_cuts() {
     let mut renderers = renderers();
-    let [gpu, cpu] = renderers.as_mut_slice() else { return };
+    let [gpu, cpu] = &mut *renderers else { return };
     let table = shader_table(TexelFormat::F32);
     let mut darker = 0;
     for (named, kind) in [NamedScene::BrushedFloor, NamedScene::Horizon, NamedScene::Sphere]
@@ -236,13 +237,13 @@ fn gpu_and_cpu_agree_on_lights_that_the_surface_cuts() {
             darker += usize::from(apart(&uncut.picture, &b.picture).1 > 0.01);
         }
     }
-    assert!(darker > 10, "{darker} pictures differ without the cut");
+    assert!(darker > 10, "only {darker} pictures change without the cut");
 }
 
 #[test]
 fn gpu_and_cpu_agree_on_mirrors_and_needles() {
     let mut renderers = renderers();
-    let [gpu, cpu] = renderers.as_mut_slice() else { return };
+    let [gpu, cpu] = &mut *renderers else { return };
     let extremes = [(0.0, 0.0), (1e-4, 1e-4), (1.0, 1e-3), (0.001, 0.3), (1.0, 1.0)];
     for (table, (alpha_x, alpha_y)) in shader_tables().iter().flat_map(|table| extremes.map(|alphas| (table, alphas))) {
         for mode in [Mode::Ltc, Mode::Reference, Mode::Lobe] {
@@ -258,11 +259,11 @@ fn gpu_and_cpu_agree_on_mirrors_and_needles() {
     }
 }
 
-/// The closed form by each of its rules.
+/// The closed form, by each of its rules.
 #[test]
 fn gpu_and_cpu_agree_on_mirrors_and_needles_by_normals() {
     let mut renderers = renderers();
-    let [gpu, cpu] = renderers.as_mut_slice() else { return };
+    let [gpu, cpu] = &mut *renderers else { return };
     let table = shader_table(TexelFormat::F32);
     let extremes = [(0.0, 0.0), (1e-4, 1e-4), (1.0, 1e-3), (0.001, 0.3), (1.0, 1.0)];
     for (rule, (alpha_x, alpha_y)) in NormalsRule::SHADED.iter().flat_map(|rule| extremes.map(|alphas| (*rule, alphas)))
@@ -274,11 +275,11 @@ fn gpu_and_cpu_agree_on_mirrors_and_needles_by_normals() {
     }
 }
 
-/// Both Gaussians, on surfaces from mirrors to narrow lobes, and in every scene.
+/// Both Gaussians, on surfaces with mirror-like to narrow lobes, and in every scene.
 #[test]
 fn gpu_and_cpu_agree_by_gaussians() {
     let mut renderers = renderers();
-    let [gpu, cpu] = renderers.as_mut_slice() else { return };
+    let [gpu, cpu] = &mut *renderers else { return };
     let table = shader_table(TexelFormat::F32);
     let extremes = [(0.0, 0.0), (1e-4, 1e-4), (1.0, 1e-3), (0.001, 0.3), (1.0, 1.0)].map(|(alpha_x, alpha_y)| Scene {
         size: 128,
@@ -295,11 +296,11 @@ fn gpu_and_cpu_agree_by_gaussians() {
     }
 }
 
-/// Lights on the floor, above it, behind it and all around, by each rule.
+/// Lights on the floor, above it, behind it and around it, by each rule.
 #[test]
 fn gpu_and_cpu_agree_in_every_scene_by_normals() {
     let mut renderers = renderers();
-    let [gpu, cpu] = renderers.as_mut_slice() else { return };
+    let [gpu, cpu] = &mut *renderers else { return };
     let table = shader_table(TexelFormat::F32);
     for (named, rule) in
         NamedScene::ALL.iter().flat_map(|named| NormalsRule::SHADED.iter().map(move |rule| (named, *rule)))
@@ -311,11 +312,11 @@ fn gpu_and_cpu_agree_in_every_scene_by_normals() {
     }
 }
 
-/// Tiles that end within a workgroup, and more samples than a pass takes.
+/// Pictures whose edge is within a workgroup, and more samples than one pass takes.
 #[test]
 fn gpu_and_cpu_agree_on_odd_sizes_and_many_samples() {
     let mut renderers = renderers();
-    let [gpu, cpu] = renderers.as_mut_slice() else { return };
+    let [gpu, cpu] = &mut *renderers else { return };
     let table = shader_table(TexelFormat::F32);
     for (size, spp, mode) in [(101, 3, Mode::Strip), (64, 2100, Mode::Reference)] {
         let scene = Scene { size, spp, mode, ..NamedScene::Figure14.scene() };
@@ -324,14 +325,14 @@ fn gpu_and_cpu_agree_on_odd_sizes_and_many_samples() {
     }
 }
 
-/// A GPU's sampler has weights of 8 bits, which is visible. Lavapipe's sampler has weights in f32.
+/// A GPU's sampler has 8-bit weights, which is visible. Lavapipe's sampler has f32 weights.
 #[test]
 fn sampler_and_shader_weights_make_the_same_picture() {
     let mut renderers = renderers();
-    let [_, cpu] = renderers.as_mut_slice() else { return };
+    let [_, cpu] = &mut *renderers else { return };
     for weights in [Weights::Shader, Weights::Sampler] {
         let mut gpu = Preview::with_weights(Adapter::Gpu, weights);
-        // Sampling tables of 32 bits is a feature that a GPU may lack.
+        // A GPU may be unable to sample 32-bit tables.
         let is_software = match gpu.adapter_name() {
             Ok(name) => name.contains("llvmpipe"),
             Err(PreviewError::NoAdapter(reason)) => {

@@ -1,4 +1,4 @@
-//! The shader without textures on the GPU, against the function that it evaluates.
+//! Compares the shader without textures on the GPU with the function that it evaluates.
 
 use glam::DVec3;
 
@@ -10,7 +10,7 @@ use ltcforge_shaders::{Additions, Language, Lights};
 use ltcforge_translate::include_function;
 
 #[test]
-fn the_shader_without_textures_gives_the_function() {
+fn the_shader_without_textures_agrees_with_the_function() {
     const EXAMPLE: &str = "
 @group(0) @binding(0) var<uniform> tried: array<vec4<f32>, 2>;
 @group(0) @binding(1) var<storage, read_write> found: array<vec4<f32>, 4>;
@@ -29,10 +29,10 @@ fn tried_once() {
         include_function(Language::Wgsl, &function, &[], Lights::All, Additions::default(), &Namespace::default())
             .expect("WGSL");
     let mut tried = Vec::new();
-    // The first three are below the least fitted alpha.
+    // The first three values are below the least fitted alpha.
     for alpha in [0.0, 1e-5, 5e-5, 0.0002, 0.01, 0.13, 0.6, 1.0] {
         for theta in [0.0, 0.3, 1.0, 1.4, 1.56] {
-            // A lobe does not turn if the view is from above.
+            // With a view from directly above, a lobe has no azimuth.
             for phi in [0.0, 1.1, -2.5].into_iter().filter(|phi| theta > 0.0 || *phi == 0.0) {
                 tried.push(Configuration { alpha_x: alpha, alpha_y: alpha, theta, phi });
             }

@@ -1,4 +1,4 @@
-//! The fits of the pictures.
+//! The fits for the pictures.
 
 use std::ops::ControlFlow;
 
@@ -13,10 +13,10 @@ use ltcforge::fit::{
     math::{direction, from_row_major},
 };
 
-/// Entries along either side of a table.
+/// Entries along each side of a table.
 pub(super) const SIDE: u32 = 64;
 
-/// Steps of a search from the cosine: many more than from a close start.
+/// Steps of a search that starts at the cosine. A close start needs far fewer.
 const STEPS_FROM_COSINE: u32 = 200;
 
 /// Settings with the effort of docs/recipes/isotropic-l3.json.
@@ -32,20 +32,20 @@ pub(super) fn settings(shear: Shear, start: Start) -> FitSettings {
     }
 }
 
-/// One fit in the frame of its lobe's mean direction.
+/// A fit in the frame of its lobe's mean direction.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fit {
     pub(super) m11: f64,
     pub(super) m22: f64,
     pub(super) m13: f64,
-    /// Angle of the mean direction from the normal, away from the view, in degrees.
+    /// Angle between the mean direction and the normal, away from the view, in degrees.
     pub(super) angle: f64,
     /// `M` in the tangent frame.
     pub(super) matrix: DMat3,
 }
 
 impl Fit {
-    /// The fit of a matrix of shear x, whose first column has the direction of the frame's x axis.
+    /// The fit of a matrix with shear x. The first column has the direction of the frame's x axis.
     fn of(matrix: DMat3) -> Self {
         let x = matrix.x_axis.normalize();
         Self {
@@ -58,8 +58,8 @@ impl Fit {
     }
 }
 
-/// Every entry of a table of layout `ltc2017` by shear x, from the smoothest roughness up. The views of each start at
-/// the normal.
+/// Every entry of a table of layout `ltc2017` with shear x, from the smoothest surface to the roughest. For each
+/// roughness, views start at the normal.
 pub(super) fn table(start: Start) -> Vec<Fit> {
     let plan = plan(start);
     let fitter = Fitter::new(&plan.recipe().fit());
@@ -72,8 +72,8 @@ pub(super) fn table(start: Start) -> Vec<Fit> {
     entries.concat().iter().map(|entry| Fit::of(from_row_major(&entry.matrix))).collect()
 }
 
-/// The entries of [`table`], each by its own search from the cosine around its lobe's mean direction. The start does
-/// not depend on the width of the lobe.
+/// The entries of [`table`], each found by its own search. The search starts at the cosine around the lobe's mean
+/// direction. The start does not depend on the width of the lobe.
 pub(super) fn table_from_cosine() -> Vec<Fit> {
     let plan = plan(Start::Independent);
     let fitter = Fitter::new(&FitSettings { steps: STEPS_FROM_COSINE, ..plan.recipe().fit() });
@@ -111,7 +111,7 @@ fn plan(start: Start) -> Plan {
     })
 }
 
-/// The matrix of one lobe of GGX.
+/// The matrix for one lobe of GGX.
 pub(super) fn lobe(alpha: f64, theta: f64, shear: Shear) -> Option<DMat3> {
     let wo: DVec3 = direction(theta, 0.0);
     let mut go_on = || ControlFlow::Continue(());

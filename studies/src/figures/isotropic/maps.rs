@@ -1,4 +1,4 @@
-//! Maps of the numbers of every entry over roughness and view.
+//! Maps of the numbers of all entries, over roughness and view.
 
 use ltcforge::{
     fit::Start,
@@ -10,13 +10,13 @@ use ltcforge::{
 
 use super::fits::{Fit, SIDE, table, table_from_cosine};
 
-/// Side of an entry in pixels.
+/// Side of an entry in the map, in pixels.
 const CELL: u32 = 4;
 
-/// The name of a panel, whether its number may have either sign, and the number.
+/// The name of a panel, whether its number can have either sign, and the function that returns the number.
 type Named = (&'static str, bool, fn(&Fit) -> f64);
 
-/// The panels of all numbers.
+/// The panels for all numbers.
 const NUMBERS: [Named; 14] = [
     ("m11", false, |fit| fit.m11),
     ("m22", false, |fit| fit.m22),
@@ -34,12 +34,12 @@ const NUMBERS: [Named; 14] = [
     ("m13 / m11", true, |fit| fit.m13 / fit.m11),
 ];
 
-/// `M^-1` over its middle element.
+/// `M^-1` divided by its middle element.
 fn inverse(fit: &Fit) -> glam::DMat3 {
     fit.matrix.inverse() * fit.matrix.y_axis.y
 }
 
-/// The numbers of a table with warm starts.
+/// The numbers of a table that was fitted with warm starts.
 pub(in crate::figures) fn numbers() -> Picture {
     let fits = table(Start::Warm);
     let panels: Vec<Drawn> = NUMBERS
@@ -54,14 +54,14 @@ pub(in crate::figures) fn numbers() -> Picture {
     headed(&[&[what], &[AXES], &[COLOURS]], &together(&panels, 5))
 }
 
-/// The skew of every entry, by searches from the cosine and by both starts of recipes.
+/// The skew of every entry, for searches from the cosine and for both kinds of starts of recipes.
 pub(in crate::figures) fn starts() -> Picture {
     let own = Start::ALL.iter().rev().map(|start| (start.name(), table(*start)));
     let tables: Vec<(&str, Vec<Fit>)> = std::iter::once(("from the cosine", table_from_cosine())).chain(own).collect();
     let skews: [Named; 2] = [("m13", true, |fit| fit.m13), ("m13 / m11", true, |fit| fit.m13 / fit.m11)];
     let mut panels = Vec::new();
     for (name, is_signed, of) in skews {
-        // All use the scale of the last table.
+        // All panels use the scale of the last table.
         let scale = tables.last().map(|(_, fits)| Scale::of(&values(fits, of), is_signed));
         for (start, fits) in &tables {
             let values = values(fits, of);
@@ -86,14 +86,14 @@ fn values(fits: &[Fit], of: fn(&Fit) -> f64) -> Vec<f32> {
     fits.iter().map(|fit| of(fit) as f32).collect()
 }
 
-/// Mean absolute second difference of a number along the view.
+/// Mean absolute second difference of a number along the view axis.
 fn second_difference(fits: &[Fit], of: fn(&Fit) -> f64) -> f64 {
     let row = |row: &[Fit]| row.windows(3).map(|s| (of(&s[0]) - 2.0 * of(&s[1]) + of(&s[2])).abs()).sum::<f64>();
     let side = SIDE as usize;
     fits.chunks(side).map(row).sum::<f64>() / (side * (side - 2)) as f64
 }
 
-/// A map with its title and its colours.
+/// A map with its title and its colour scale.
 struct Drawn {
     title: String,
     picture: Picture,

@@ -1,6 +1,6 @@
-//! The fit of isotropic lobes by three numbers in the frame of their mean direction: the numbers over a table, the
-//! effect of both shears on a lobe, and the starts of searches. Fits run on the current rayon pool, whose size changes
-//! nothing.
+//! The fit of isotropic lobes by three numbers in the frame of their mean direction. The figures show the numbers over
+//! a table, the effect of both shears on a lobe, and the starts of searches. Fits run on the current rayon pool, whose
+//! size does not change the results.
 
 mod fits;
 mod maps;

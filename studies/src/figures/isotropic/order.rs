@@ -1,4 +1,4 @@
-//! The order of searches, each of which starts from the result of another.
+//! The order of searches. Each search starts from the result of another.
 
 use ltcforge::view::picture::{Panel, Picture, grid, headed};
 
@@ -7,12 +7,12 @@ use crate::figures::curves::{Curve, Frame, legend};
 const DOWN_IN_ROUGHNESS: [u8; 3] = [235, 80, 70];
 const DOWN_IN_VIEW: [u8; 3] = [90, 150, 250];
 const ENTRY: [u8; 3] = [150, 150, 150];
-/// The roughnesses whose rows are shown.
+/// The roughnesses of the drawn rows.
 const ROUGHNESSES: [f64; 3] = [0.15, 0.45, 0.8];
 /// Half the side of a mark, in units of the axes.
 const MARK: f64 = 0.008;
 
-/// Draws marks of some nodes, and the paths of searches to three rows of a table.
+/// Draws marks at some nodes, and the paths of searches to three rows of a table.
 pub(in crate::figures) fn draw() -> Picture {
     let mut curves = Vec::new();
     let steps = |count: u32| (0..=count).map(move |i| f64::from(i) / f64::from(count));
@@ -20,11 +20,11 @@ pub(in crate::figures) fn draw() -> Picture {
         curves.push(Curve { points: vec![[u - MARK, v], [u + MARK, v]], colour: ENTRY });
     }
     for (row, roughness) in ROUGHNESSES.into_iter().enumerate() {
-        // The paths are drawn next to each other, although all run along the same edge.
+        // All paths run along the same edge, so they are drawn next to each other.
         let edge = 1.0 - 0.015 * row as f64;
         let mut u = 1.0_f64;
         while u > roughness {
-            // Halving alpha divides the roughness by the root of two.
+            // Halving alpha divides the roughness by the square root of two.
             let next = (u * std::f64::consts::FRAC_1_SQRT_2).max(roughness);
             arrow(&mut curves, [u, edge], [next, edge], DOWN_IN_ROUGHNESS);
             u = next;
@@ -40,7 +40,7 @@ pub(in crate::figures) fn draw() -> Picture {
     headed(&[&[what], &["from the result at its tail"]], &grid(&[panel], 1))
 }
 
-/// Adds an arrow.
+/// Adds an arrow to the curves.
 fn arrow(curves: &mut Vec<Curve>, from: [f64; 2], to: [f64; 2], colour: [u8; 3]) {
     curves.push(Curve { points: vec![from, to], colour });
     let along = [to[0] - from[0], to[1] - from[1]];

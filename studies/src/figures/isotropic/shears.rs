@@ -1,5 +1,5 @@
-//! The effect of a shear on a clamped cosine, and the fit of sheared lobes to GGX on both sides of the surface's
-//! normal.
+//! The effect of a shear on a clamped cosine, and on LTCs fitted to GGX: their fronts, and their backs behind the
+//! surface's normal.
 
 use std::f64::consts::PI;
 
@@ -17,22 +17,22 @@ use ltcforge::{
 use super::fits::lobe;
 use crate::figures::curves::{Curve, Frame, legend};
 
-/// Points of a curve.
+/// Points per curve.
 const POINTS: u32 = 720;
-/// Skews of the cosine.
+/// Skews of the drawn cosines.
 const SKEWS: [f64; 3] = [0.0, 0.4, 0.8];
 const SKEW_COLOURS: [[u8; 3]; 3] = [[235, 235, 235], [240, 160, 60], [90, 190, 250]];
 const SKEW_NAMES: [(&str, [u8; 3]); 3] =
     [("no skew", SKEW_COLOURS[0]), ("0.4", SKEW_COLOURS[1]), ("0.8", SKEW_COLOURS[2])];
-/// Roughness and view (in degrees) of the lobes.
+/// Roughness and view angle (in degrees) of the drawn lobes.
 const LOBES: [(f64, f64); 2] = [(0.25, 60.0), (0.04, 80.0)];
 const GGX: [u8; 3] = [235, 235, 235];
 const LTC: [u8; 3] = [240, 160, 60];
 const LOBE_NAMES: [(&str, [u8; 3]); 2] = [("GGX", GGX), ("LTC", LTC)];
-/// The part of the peak that fills the picture of a lobe's back.
+/// The width of the picture of a lobe's back, as a part of the peak.
 const BACK: f64 = 0.02;
 
-/// The pictures of one shear.
+/// The pictures for one shear.
 pub(in crate::figures) fn draw(shear: Shear) -> Picture {
     let lobe = |(alpha, degrees): (f64, f64), part: f64| {
         let side = if part < 1.0 { "back" } else { "front" };
@@ -65,7 +65,7 @@ fn panel(title: String, picture: Picture, names: &[(&str, [u8; 3])]) -> (String,
     (title, picture, foot)
 }
 
-/// Directions in the plane of incidence, with their angle from the normal to the right, in radians.
+/// Directions in the plane of incidence. The angle, in radians, is measured from the normal to the right.
 fn around() -> impl Iterator<Item = (f64, DVec3)> {
     (0..=POINTS).map(|i| {
         let angle = PI * (2.0 * f64::from(i) / f64::from(POINTS) - 1.0);
@@ -83,7 +83,7 @@ fn skewed(shear: Shear, skew: f64) -> Option<Ltc> {
     Ltc::new(m)
 }
 
-/// A curve for each skew.
+/// One curve for each skew.
 fn cosines(shear: Shear, point: impl Fn(f64, DVec3, f64) -> [f64; 2]) -> Vec<Curve> {
     let cosines = SKEWS.into_iter().zip(SKEW_COLOURS).rev();
     let curve = |(skew, colour): (f64, [u8; 3])| {
@@ -104,10 +104,10 @@ fn cosines_over(shear: Shear) -> Picture {
     frame.draw(&cosines(shear, |angle, _, density| [angle.to_degrees(), density]))
 }
 
-/// A lobe of GGX to the right, and its LTC. The picture is as wide as `part` of the peak.
+/// A lobe of GGX on the right, and its LTC. The picture is as wide as `part` of the peak.
 fn lobes(shear: Shear, alpha: f64, theta: f64, part: f64) -> Picture {
     let (ggx, wo) = (Ggx { alpha_x: alpha, alpha_y: alpha }, direction(theta, 0.0));
-    // The view is on the right, so lobes are mirrored to the right.
+    // The view is on the right, and lobes are mirrored to the right.
     let mirrored = |w: DVec3| DVec3::new(-w.x, 0.0, w.z);
     let reflected: Vec<(DVec3, f64)> = around().map(|(_, w)| (w, ggx.eval_cos(wo, mirrored(w)))).collect();
     let peak = reflected.iter().map(|(_, f)| *f).fold(0.0, f64::max);
@@ -118,7 +118,7 @@ fn lobes(shear: Shear, alpha: f64, theta: f64, part: f64) -> Picture {
     };
     let mut curves = Vec::new();
     if let Some(ltc) = lobe(alpha, theta, shear).and_then(Ltc::new) {
-        // The LTC has the same albedo, by the mean weight of visible normals.
+        // The LTC gets the same albedo, computed from the mean weight of visible normals.
         let albedo = albedo(&ggx, wo);
         curves.push(curve(LTC, &|w, _| albedo * ltc.pdf(mirrored(w))));
     }

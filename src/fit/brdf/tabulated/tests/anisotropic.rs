@@ -74,7 +74,7 @@ fn between_nodes_it_is_about_ggx() {
     assert!((1e-3..0.12).contains(&worst), "{worst}");
 }
 
-/// The coordinates of a sample are the parts of a whole turn and of all light.
+/// For constant values, the coordinates of a sample are the fraction of a turn and the fraction of all light.
 #[test]
 fn a_constant_is_lambert_s_reflection() {
     let count = axes().shape().iter().product();
@@ -117,7 +117,7 @@ fn every_fault_of_azimuths_is_reported_at_once() {
 
     let half = TabulatedAxes { phi: even(5, PI), phi_o: vec![0.0], ..axes() };
     let wanted = [
-        "tensor «phi_o»: 1 nodes; allowed: 2 and more",
+        "tensor «phi_o»: 1 nodes; allowed: 2 or more",
         "tensor «phi_o»: nodes go from 0 to 0; they must go from 0 to 1.5707963267948966",
         "tensor «phi»: nodes go from 0 to 3.141592653589793; they must go from 0 to 6.283185307179586",
     ];
@@ -127,8 +127,8 @@ fn every_fault_of_azimuths_is_reported_at_once() {
     assert_eq!(faults(without, vec![0.1; 27]), [messages]);
 }
 
-/// Reports different ends of a turn, and views along an axis whose values are not symmetric. Excess light and invalid
-/// values are reported too; the comparison skips invalid values.
+/// Plants unequal values at the two ends of a turn, and asymmetric values for views along an axis. Excess light and
+/// invalid values are reported too; the comparison skips invalid values.
 #[test]
 fn broken_symmetries_are_reported_at_once() {
     let mut values = vec![0.2; 3 * 3 * 3 * 5];
@@ -136,7 +136,7 @@ fn broken_symmetries_are_reported_at_once() {
     values[at(1, 1, 2, 4)] = 0.1;
     values[at(2, 0, 1, 1)] = 0.21;
     values[at(2, 2, 0, 3)] = 0.15;
-    // This difference is not along an axis. The next is within the tolerance.
+    // The first change is not for a view along an axis. The second change is within the tolerance.
     values[at(0, 1, 1, 1)] = 0.1;
     values[at(0, 0, 0, 1)] = 0.2 * (1.0 - 0.9e-3);
     let of_turn = "tensor «value»: 1 pairs of numbers differ at phi 0 and 2 pi, which are the same azimuth, by up to \
@@ -174,14 +174,14 @@ fn sizes_whose_product_overflows_are_refused() {
     assert_eq!(faults(huge, vec![0.1]), wanted);
 }
 
-/// Exchanges view and light. Between azimuths of the view the exchanged light is interpolated; at azimuths of the view
-/// it is exact.
+/// Exchanges view and light. The exchanged value is exact at a node of the view's azimuth, and interpolated between
+/// nodes.
 #[test]
 fn asymmetry_is_found_where_it_was_planted() {
     let even_views = TabulatedAxes { ratio: vec![0.5], ..axes() };
     let mut values = vec![0.2; 3 * 3 * 3 * 5];
-    // The value at theta_o pi/4, theta_i pi/2, phi_o pi/4 and phi pi/2. Exchanged, the view is at 3/4 pi, which mirrors
-    // pi/4.
+    // The value at theta_o pi/4, theta_i pi/2, phi_o pi/4 and phi pi/2. After the exchange, the view is at 3/4 pi, the
+    // mirror image of pi/4.
     values[((3 + 1) * 3 + 2) * 5 + 1] = 0.25;
     let found = TabulatedBrdf::new(even_views, values.clone()).expect("a BRDF").asymmetry().expect("views and lights");
     assert!((found.largest - 0.2).abs() < 1e-12, "{found:?}");

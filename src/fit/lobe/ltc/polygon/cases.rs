@@ -14,10 +14,10 @@ const GAUSS: [(f64, f64); 4] = [
     (0.960_289_856_497_536_3, 0.101_228_536_290_376_3),
 ];
 
-/// The part of `M c` inside of the polygon, for a clamped cosine `c`. For each azimuth of `c`, the directions whose
-/// image lies inside of all edge planes form an interval, and the integral of the cosine over it is known. Gauss's rule
-/// integrates over the azimuth, between the azimuths at which the ends of the interval change. The method has no edge
-/// integral, no clipping and no inverse.
+/// The fraction of `M c` inside the polygon, for a clamped cosine `c`. For each azimuth of `c`, the directions whose
+/// image is inside all edge planes form an interval. The integral of the cosine over this interval has a closed form.
+/// Gauss's rule integrates over the azimuth, separately between the azimuths at which the ends of the interval change.
+/// The method has no edge integral, no clipping and no inverse.
 #[must_use]
 pub fn quadrature(m: DMat3, polygon: &[DVec3]) -> f64 {
     let n = polygon.len();
@@ -40,7 +40,7 @@ pub fn quadrature(m: DMat3, polygon: &[DVec3]) -> f64 {
     cuts.sort_by(f64::total_cmp);
     let at = |azimuth: f64| {
         let (sin, cos) = azimuth.sin_cos();
-        // Directions are (t cos, t sin, 1) for t in [0, inf). Each plane demands slope t + z >= 0.
+        // Directions are (t cos, t sin, 1) for t in [0, inf). Each plane requires slope t + z >= 0.
         let (mut low, mut high) = (0.0_f64, f64::INFINITY);
         for plane in &planes {
             let slope = plane.x * cos + plane.y * sin;
@@ -70,8 +70,8 @@ pub fn polygon(centre: DVec3, axes: [DVec3; 2], mut angles: Vec<f64>) -> Vec<DVe
     angles.into_iter().map(|angle| centre + axes[0] * angle.cos() + axes[1] * angle.sin()).collect()
 }
 
-/// `count` cases, the same in every run. Each is a convex polygon of 3 to 8 vertices and a matrix. Every other matrix
-/// resembles a lobe.
+/// `count` cases, the same in every run. Each case is a convex polygon of 3 to 8 vertices and a matrix. Every other
+/// matrix resembles a lobe.
 pub fn random_cases(count: usize) -> impl Iterator<Item = (Vec<DVec3>, DMat3)> {
     let mut draw = Draw(Xoshiro256PlusPlus::seed_from_u64(4));
     (0..count).map(move |i| (draw.polygon(), draw.matrix(i)))
@@ -105,7 +105,8 @@ impl Draw {
     }
 }
 
-/// The limit of a sharp lobe: `[2 alpha_x (v_z x + v_x z), 2 alpha_y (v_z y + v_y z), r]`, `r` the mirror direction.
+/// The limit of a sharp lobe: `[2 alpha_x (v_z x + v_x z), 2 alpha_y (v_z y + v_y z), r]`, where `r` is the mirror
+/// direction.
 #[must_use]
 pub fn mirror_like(alpha_x: f64, alpha_y: f64, theta: f64, phi: f64) -> DMat3 {
     let v = DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());

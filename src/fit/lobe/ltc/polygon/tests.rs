@@ -25,10 +25,10 @@ fn ten_thousand_polygons_agree_with_quadrature() {
     assert!(clipped > 3000 && lit > 3000, "{clipped} clipped, {lit} lit");
 }
 
-/// The part of a polygon above the horizon, approximated by the cap of the same vector form factor. Tests the closed
+/// Approximates the part of a polygon above the horizon by the cap with the same vector form factor. Tests the closed
 /// form and its cheap fit.
 #[test]
-fn spheres_in_place_of_polygons_are_off_by_what_the_documents_say() {
+fn spheres_instead_of_polygons_have_the_documented_error() {
     let mut errors: [[Vec<f64>; 2]; 2] = Default::default();
     for (polygon, m) in random_cases(20_000) {
         let ltc = Ltc::new(m).expect("regular");
@@ -59,8 +59,8 @@ fn spheres_in_place_of_polygons_are_off_by_what_the_documents_say() {
     }
 }
 
-/// The square consists of four patches, each with a corner straight above the origin. Texts on form factors have the
-/// closed form of this patch.
+/// The square consists of four patches, each with a corner straight above the origin. Textbooks on form factors give
+/// the closed form of this patch.
 #[test]
 fn a_square_above_has_the_form_factor_of_the_books() {
     let square = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(x, y)| DVec3::new(x, y, 1.0));
@@ -71,7 +71,7 @@ fn a_square_above_has_the_form_factor_of_the_books() {
 }
 
 #[test]
-fn one_side_sees_what_the_other_does_not() {
+fn a_one_sided_light_is_visible_only_from_its_front() {
     let cosine = Ltc::new(DMat3::IDENTITY).expect("regular");
     let mut square = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(x, y)| DVec3::new(x, y, 1.0));
     let front = cosine.polygon(&square, Sides::One);
@@ -108,7 +108,7 @@ fn in_f32(m: DMat3, polygon: &[DVec3]) -> f32 {
     clip.finish()
 }
 
-/// A normal number, zero, one, or a number close to zero.
+/// An ordinary number, zero, one, or a number close to zero.
 fn coordinate() -> impl Strategy<Value = f64> {
     prop_oneof![-3.0..3.0, Just(0.0), Just(1.0), (-3_i64..3).prop_map(|ulps| ulps as f64 * 1e-16), -1e-6..1e-6]
 }
@@ -149,7 +149,7 @@ proptest! {
         let outline = polygon(DVec3::from(centre), [DVec3::from(first), DVec3::from(second)], angles);
         let m = mirror_like(alpha_x, alpha_y, theta, phi);
         let exact = Ltc::new(m).expect("regular").polygon(&outline, Sides::Two);
-        // Degenerate slivers seen edge-on lose digits, but at most this many.
+        // Degenerate slivers seen edge-on lose digits, but the error stays below this limit.
         prop_assert!((f64::from(in_f32(m, &outline)).abs() - exact).abs() < 1e-3, "{}", exact);
     }
 }

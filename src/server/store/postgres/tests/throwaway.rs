@@ -1,5 +1,5 @@
-//! A PostgreSQL server for tests: started on first use, removed when the process ends.
-#![allow(dead_code, unreachable_pub, reason = "the library's tests and those of the binary each use their own part")]
+//! A PostgreSQL server for tests. It is started on first use, and removed when the process ends.
+#![allow(dead_code, unreachable_pub, reason = "the tests of the library and of the binary use different parts")]
 
 use std::{
     env, fs,
@@ -49,7 +49,7 @@ pub struct Server {
     databases: AtomicU32,
 }
 
-/// The server that the tests of this process share. It does not wait for the disk, because its data need not survive.
+/// The server that the tests of this process share. fsync is off, because its data need not survive.
 static SHARED: LazyLock<Option<Server>> = LazyLock::new(|| Server::start("-c fsync=off"));
 
 /// The URL of an empty database on the shared server. Prints a message and returns `None` without PostgreSQL.
@@ -177,7 +177,7 @@ impl Drop for Server {
     }
 }
 
-/// The folder of the server's programs: Debian's, or the one in `PATH`.
+/// The folder of PostgreSQL's programs: Debian's folder, or a folder in `PATH`.
 fn programs() -> Option<PathBuf> {
     let on_path = env::split_paths(&env::var_os("PATH")?).collect::<Vec<_>>();
     let mut debian: Vec<PathBuf> = fs::read_dir("/usr/lib/postgresql")

@@ -7,8 +7,8 @@ use super::super::{
 };
 
 /// The buffer of texels after the passes `ltc_read` and `ltc_expand` of the WGSL `source`. `integers` and `texels` are
-/// the sizes of the second and third buffer in bytes. The first pass is dispatched `reads` times, and the second has
-/// `workgroups`.
+/// the sizes of the second and third buffer in bytes. The first pass is dispatched `reads` times. The second pass has
+/// `workgroups` workgroups.
 pub(crate) fn run(
     source: &str,
     bytes: &[u8],

@@ -1,4 +1,4 @@
-//! Runs an entry point on one case after another, such as `ltc_example` of an exported shader.
+//! Runs an entry point, such as `ltc_example` of an exported shader, for a list of cases.
 
 use bytemuck::Pod;
 
@@ -10,8 +10,8 @@ use super::super::{
 use crate::preview::ShaderTable;
 use ltcforge_shaders::Bound;
 
-/// The results of `cases` by an entry point of the WGSL `source`. Group 0 is the table, if the entry point reads one.
-/// The next group holds a uniform `Case` and a storage buffer of one `Found`.
+/// The results of an entry point of the WGSL `source`, one for each case. Group 0 is the table, if the entry point
+/// reads a table. The next group holds a uniform `Case` and a storage buffer with one `Found`.
 pub(in crate::preview) fn run<Case: Pod, Found: Pod>(
     source: &str,
     entry_point: &str,
@@ -21,7 +21,7 @@ pub(in crate::preview) fn run<Case: Pod, Found: Pod>(
     run_with(Weights::default(), source, entry_point, table, cases)
 }
 
-/// [`run`] with a choice of `weights`.
+/// [`run`] with the given `weights`.
 pub(in crate::preview) fn run_with<Case: Pod, Found: Pod>(
     weights: Weights,
     source: &str,
@@ -106,7 +106,7 @@ fn run_on<Case: Pod, Found: Pod>(
         }
         encoder.copy_buffer_to_buffer(&found, 0, &all, (size_of::<Found>() * i) as u64, found.size());
         gpu.queue.submit([encoder.finish()]);
-        // Thousands of submissions in flight slow each other down.
+        // Thousands of submissions in flight would slow each other down.
         gpu.wgpu.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| failed(&error))?;
     }
     all.slice(..).map_async(wgpu::MapMode::Read, |_| {});
@@ -116,7 +116,7 @@ fn run_on<Case: Pod, Found: Pod>(
     Ok(bytemuck::pod_collect_to_vec(&view[..]))
 }
 
-/// Group 0 of the shaders for a table. Its three textures are the layers of one array, for `texels_array.wgsl`.
+/// Group 0 of the shaders for a table, for `texels_array.wgsl`: its three textures are the layers of one array.
 fn upload_array(gpu: &Device, table: &ShaderTable, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
     let array = texture(gpu, table, wgpu::TextureDimension::D2, &table.texels.concat());
     bound(gpu, table, layout, &[array])

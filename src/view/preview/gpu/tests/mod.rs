@@ -1,4 +1,4 @@
-//! Runs shaders outside the preview, as users run them.
+//! Runs shaders without the preview, as users run them.
 
 pub(crate) mod decoder;
 pub(in crate::preview) mod example;
@@ -13,7 +13,7 @@ impl Gpu {
         self.fails_after = Some(times);
     }
 
-    /// Loses the device, as after a reset of the driver.
+    /// Loses the device, as a driver reset does.
     pub(in crate::preview) fn lose(&mut self) {
         if let Some(open) = &self.open {
             open.device.wgpu.destroy();

@@ -6,8 +6,8 @@ use wgpu::util::DeviceExt as _;
 use super::super::{GpuFailure, Weights, device::Device};
 use ltcforge_light::textured::{LightImage, LightPyramid};
 
-/// The results of groups of cases by an entry point of the WGSL `source`. Group 0 has the picture and its sampler from
-/// binding `first` on. Group 1 has a uniform `Case` and a storage buffer of one `Found`.
+/// The results of an entry point of the WGSL `source`, for groups of cases. Group 0 has the picture and its sampler,
+/// from binding `first` on. Group 1 has a uniform `Case` and a storage buffer with one `Found`.
 pub(in crate::preview) fn run<Case: Pod, Found: Pod>(
     source: &str,
     entry_point: &str,

@@ -1,4 +1,4 @@
-//! Runs the passes that prefilter a picture, as compute or as fragment shaders.
+//! Runs the passes that prefilter a picture, as compute shaders or as fragment shaders.
 
 use wgpu::util::DeviceExt as _;
 
@@ -9,14 +9,14 @@ use super::super::{
 use ltcforge_light::textured::LightImage;
 use ltcforge_shaders::joined;
 
-/// The kind of shaders that compute the passes.
+/// The kind of shader that runs the passes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::preview) enum Passes {
     Compute,
     Fragment,
 }
 
-/// The programs that call the functions. The size of a pass is the size of its target.
+/// The programs that call the functions. A pass has the size of its target.
 const PROGRAMS: &str = "
 struct Pass { picture: vec2<u32>, fine: vec2<u32>, coarse: vec2<u32>, level: u32, kind: u32 }
 @group(0) @binding(2) var<uniform> made: Pass;
@@ -49,7 +49,7 @@ fn painted(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
-/// A pass: its kind, its sizes and its level.
+/// A pass, with its kind, sizes and level.
 #[derive(Debug, Clone, Copy)]
 struct Pass {
     kind: u32,
@@ -58,7 +58,7 @@ struct Pass {
     level: u32,
 }
 
-/// The levels of a picture's pyramid, finest first: red, green, blue and one of each texel.
+/// The levels of a picture's pyramid, the finest first. A texel is red, green, blue and one.
 pub(in crate::preview) fn run(image: &LightImage, passes: Passes) -> Result<Vec<Vec<[f32; 4]>>, GpuFailure> {
     let runner = Runner::new(Device::open(Weights::default())?, passes);
     let picture = [image.width() as u32, image.height() as u32];
@@ -182,7 +182,7 @@ impl Runner {
         }
     }
 
-    /// The texture that a pass writes.
+    /// Creates the texture that a pass writes.
     fn made(
         &self,
         picture: [u32; 2],
