@@ -57,14 +57,14 @@ impl Candidate {
         self.shipped.unwrap_or(self.bytes)
     }
 
-    /// Candidates of the same kind differ only in their nodes.
+    /// The effort and the lobes. Candidates that share both differ only in their nodes.
     pub(crate) fn kind(&self) -> (&FitSettings, &LobeFresnel) {
         (&self.recipe.fit, self.recipe.brdf.fresnel())
     }
 }
 
-/// All candidates. For each choice of lobes, we keep the nodes that have less error than all nodes with fewer entries,
-/// and combine them with every effort.
+/// All candidates. For each choice of lobes, we keep the nodes whose table has less error than all tables with fewer
+/// entries, and combine them with every effort.
 pub(crate) fn candidates(prediction: &Prediction) -> Vec<Candidate> {
     let base = &prediction.base;
     let is_free = base.layout.only_ranges().is_none();

@@ -13,7 +13,7 @@ use ltcforge_fit::{Recipe, fit_seconds};
 
 /// Version of the document.
 const VERSION: u32 = 1;
-/// Lobes with more roughnesses list only the ranges.
+/// Maximum number of listed roughnesses of a lobe. For a lobe with more, the document has only their ranges.
 const LISTED: usize = 64;
 
 /// A recipe as JSON.

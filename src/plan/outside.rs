@@ -104,8 +104,8 @@ fn is_beyond(scene: [f64; 2], table: [f64; 2], tolerance: f64) -> bool {
     scene[0] < table[0] - tolerance || scene[1] > table[1] + tolerance
 }
 
-/// For a table of materials: alpha and ratio of the roughness that is farthest from all materials, each with the value
-/// of the nearest material.
+/// For a table of materials: alpha and ratio of the lobe's roughness that is farthest from its nearest material, each
+/// next to that material's value.
 fn farthest(lobe: &SceneLobe, table: &Table) -> Option<[[f64; 2]; 2]> {
     let nearest = |spot: &Spot| {
         let [alpha, ratio] = spot.pair();

@@ -81,7 +81,7 @@ mod tests {
         let range = PerAxis { alpha: [0.04, 0.64], ratio: [1.0; 2], theta: [0.0, 1.5], phi: [0.0; 2] };
         let nodes =
             |count| Layout::Reflected.nodes(&range, &PerAxis { alpha: count, ratio: 1, theta: 2, phi: 1 }).alpha;
-        // The middles of as many parts have one weight each.
+        // One weight in the middle of each of the 64 parts.
         let spots: Vec<(f64, f64)> = nodes(129).into_iter().skip(1).step_by(2).map(|alpha| (alpha, 1.0)).collect();
         for (found, even) in placed(&spots).iter().zip(nodes(6)) {
             assert!((found - even).abs() < 1e-3, "{found} {even}");

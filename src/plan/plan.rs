@@ -36,7 +36,7 @@ pub struct TablePlan<'a> {
     pub needs: Needs<'a>,
     /// The budget.
     pub budget: Budget,
-    /// Whether the choice is within the budget; otherwise it is the nearest candidate.
+    /// Whether the choice is within the budget and the GPU limits; otherwise it is the nearest candidate.
     pub is_met: bool,
     /// The choice.
     pub chosen: Candidate,
@@ -184,9 +184,9 @@ impl<'a> TablePlan<'a> {
     /// the fit. The measured error or bytes decide whether the budget is met.
     ///
     /// The first time, the choice is made again with corrected predictions if the prediction was off by more than a
-    /// fifth or the table misses the budget. If the table of the whole domain is better and half of its bytes are
-    /// within the budget, the choice becomes a table with the same number of nodes over the scene's ranges. A compact
-    /// form that is too long is corrected several times. If the choice changes, the plan is not
+    /// fifth or the table misses the budget. Otherwise, if the table of the whole domain is better, and a table with
+    /// the same number of nodes over the scene's ranges is within a budget of bytes, this table becomes the choice. A
+    /// choice whose compact form is too long is corrected several times. If the choice changes, the plan is not
     /// [measured](TablePlan::is_measured): fit the new choice too.
     pub fn measure(&mut self, table: &Table, whole: Option<&Table>, seconds: Option<f64>) {
         let probes = Probes::new(&self.needs);

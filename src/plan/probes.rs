@@ -5,9 +5,10 @@ use ltcforge_fit::{
     BrdfModel, Closeness, LobeFresnel, LobeModel, LookedUp, SampledLobes, Table, WeightedF0, brdf::LobeTerms,
 };
 
-/// Number of configurations at which plans are measured, predicted and fitted.
+/// Number of configurations at which the error of a table is measured.
 const POINTS: usize = 256;
-/// Number of configurations at which two tables are compared. They are the first of the sequence.
+/// Number of configurations for errors that only show how much worse one table is than another. They are the first of
+/// all configurations.
 const COARSE_POINTS: usize = 64;
 
 /// The caller's `go_on` returned `false`.

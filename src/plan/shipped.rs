@@ -23,8 +23,8 @@ pub(crate) struct ShippedBytes {
 }
 
 impl ShippedBytes {
-    /// Encodes the coarse table with all of its nodes and with half of them; `None` if it has no compact form. Domain:
-    /// an odd number of nodes on each axis.
+    /// Encodes the coarse table with all of its nodes, and with every second node along each axis in turn; `None` if
+    /// it has no compact form. Domain: an odd number of nodes on each axis.
     pub(crate) fn of(table: &Table, base: &Recipe) -> Option<Self> {
         let bytes = |table: &Table| compact::encode(table).ok().map(|bytes| bytes.len() as f64);
         let of_base = bytes(table)?;

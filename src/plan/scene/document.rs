@@ -10,8 +10,8 @@ use serde_json::value::RawValue;
 use super::error::SceneError;
 use ltcforge_files::json_size::JsonLimits;
 
-/// Limits of a document. An object takes up to 0.4 KB and a named value up to 0.11 KB, so a document takes up to 230
-/// MB.
+/// Limits of a document. An object takes up to 0.4 KB and a named value up to 0.11 KB, so a document full of objects or
+/// of named values takes up to 230 MB.
 const LIMITS: JsonLimits = JsonLimits { items: 1 << 19, values: 1 << 21 };
 
 /// Extensions by name, as text: parsed JSON would take more memory than the document.

@@ -65,6 +65,7 @@ impl<'a> Decoder<'a> {
             [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => {
                 let decoder = image_webp::WebPDecoder::new(Cursor::new(bytes))?;
                 let (width, height) = decoder.dimensions();
+                check_webp(bytes, [width, height])?;
                 (Self::Webp(decoder), [width as usize, height as usize])
             }
             _ => return Ok(None),
@@ -93,6 +94,28 @@ impl<'a> Decoder<'a> {
             }
         }
     }
+}
+
+/// Checks that each lossy frame has the size of the canvas. The decoder compares the sizes only after it has decoded a
+/// frame.
+fn check_webp(bytes: &[u8], canvas: [u32; 2]) -> Result<(), &'static str> {
+    let mut rest = &bytes[12..];
+    while let Some(([b0, b1, b2, b3, length @ ..], data)) = rest.split_first_chunk::<8>() {
+        match [b0, b1, b2, b3] {
+            [b'A', b'N', b'M', b'F'] => return Err("it is animated"),
+            [b'V', b'P', b'8', b' '] => {
+                let side =
+                    |at: usize| data.get(at..at + 2).map(|side| u32::from(side[0]) | u32::from(side[1] & 63) << 8);
+                if [side(6), side(8)] != canvas.map(Some) {
+                    return Err("its frame and its canvas have different sizes");
+                }
+            }
+            _ => {}
+        }
+        let length = u32::from_le_bytes(*length) as usize;
+        rest = data.get(length + length % 2..).unwrap_or_default();
+    }
+    Ok(())
 }
 
 fn invalid(pointer: &str, error: &dyn Error) -> SceneError {
@@ -129,4 +152,24 @@ pub(super) fn decode(pointer: &str, bytes: &[u8], wanted: &[usize]) -> Result<Pi
     let from: Vec<Option<usize>> = wanted.iter().map(|channel| from(*channel)).collect();
     let kept = pixels.chunks_exact(channels).flat_map(|pixel| from.iter().map(|from| from.map_or(255, |i| pixel[i])));
     Ok(Pixels { size, channels: wanted.len(), bytes: kept.collect() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A canvas of one pixel and a frame of 402 MB.
+    #[test]
+    fn a_webp_frame_larger_than_its_canvas_is_refused_before_it_is_decoded() {
+        let chunk = |name: &[u8], data: &[u8]| [name, &(data.len() as u32).to_le_bytes(), data].concat();
+        let canvas = chunk(b"VP8X", &[0; 10]);
+        let frame =
+            |side: u16| [&b"\x10\0\0\x9d\x01\x2a"[..], &side.to_le_bytes(), &side.to_le_bytes(), &[0; 64]].concat();
+        let webp = |chunks: &[u8]| chunk(b"RIFF", &[b"WEBP", chunks].concat());
+        let refused = |bytes: &[u8]| pixels_of("/images/0", bytes).expect_err("hostile").to_string();
+        let large = webp(&[canvas.clone(), chunk(b"VP8 ", &frame(16383))].concat());
+        assert!(refused(&large).contains("its frame and its canvas have different sizes"), "{}", refused(&large));
+        let equal = webp(&[canvas, chunk(b"VP8 ", &frame(1))].concat());
+        assert_eq!(pixels_of("/images/0", &equal).expect("a header"), Some(1));
+    }
 }

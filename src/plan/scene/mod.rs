@@ -100,7 +100,7 @@ fn ignored(document: &Document, graph: &Graph) -> Vec<String> {
     notes
 }
 
-/// The materials that primitives in the scene use, and the default material last.
+/// The document's materials, and the default material last. A material that no primitive in the scene uses is `None`.
 fn materials(
     document: &Document,
     graph: &Graph,

@@ -21,7 +21,7 @@ use ltcforge_fit::{GoOn, math::recurrence4};
 
 /// Number of points at which materials are read. The error of a histogram is then below 0.1 %.
 const POINTS: f64 = (1 << 20) as f64;
-/// If there are more cameras, each sees fewer points.
+/// Maximum number of cameras for which all points are read. If there are more cameras, fewer points are read.
 const FULL_CAMERAS: f64 = 16.0;
 const MOST_CAMERAS: u64 = 256;
 /// Points that a thread reads before it asks the caller whether to continue.

@@ -32,7 +32,7 @@ struct Waiting {
     into: Channels,
 }
 
-/// Reads textures one at a time.
+/// Reads textures one at a time, and collects their images until it decodes them.
 pub(super) struct Textures<'a> {
     document: &'a Document,
     buffers: &'a Buffers<'a>,
