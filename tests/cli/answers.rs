@@ -39,8 +39,8 @@ fn with_json_an_error_is_one_document() {
     ];
     for (words, code, said) in cases {
         let failed = run(folder.path(), words.iter().chain(&["--json"])).exited(code);
-        let told = error(&failed);
-        assert!(told["error"].as_str().is_some_and(|text| text.contains(said)), "{told}");
+        let output = error(&failed);
+        assert!(output["error"].as_str().is_some_and(|text| text.contains(said)), "{output}");
     }
     assert!(run(folder.path(), ["--json", "--help"]).exited(0).stdout.starts_with("Lookup tables (LTC)"));
 }
@@ -49,17 +49,17 @@ fn with_json_an_error_is_one_document() {
 fn every_command_prints_json() {
     let folder = tempfile::tempdir().expect("a folder");
     let printed = run(folder.path(), ["completions", "bash", "--json"]).exited(0);
-    let told: Value = serde_json::from_str(&printed.stdout).expect("JSON");
-    assert_eq!(told["shell"], "bash");
-    assert!(told["script"].as_str().is_some_and(|script| script.contains("ltcforge")));
+    let output: Value = serde_json::from_str(&printed.stdout).expect("JSON");
+    assert_eq!(output["shell"], "bash");
+    assert!(output["script"].as_str().is_some_and(|script| script.contains("ltcforge")));
 
     let words = ["serve", "--listen", "127.0.0.1:0", "--data", "data", "--json"];
     let mut child = ltcforge(folder.path(), words).spawn().expect("the binary runs");
     let line = BufReader::new(child.stdout.take().expect("a pipe")).lines().next();
     child.kill().expect("a running service");
     child.wait().expect("its end");
-    let told: Value = serde_json::from_str(&line.expect("a line").expect("text")).expect("JSON");
-    assert!(told["listening"].as_str().is_some_and(|url| url.starts_with("http://127.0.0.1:")), "{told}");
+    let output: Value = serde_json::from_str(&line.expect("a line").expect("text")).expect("JSON");
+    assert!(output["listening"].as_str().is_some_and(|url| url.starts_with("http://127.0.0.1:")), "{output}");
 }
 
 #[test]

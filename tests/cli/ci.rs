@@ -7,7 +7,7 @@ use serde_json::Value;
 use crate::common::{
     SMALL,
     documents::{self, run_in, shell},
-    tell_skipped,
+    report_skipped,
 };
 
 /// The code blocks in one language of the document, in order.
@@ -87,7 +87,7 @@ fn the_build_script_stops_a_build_with_a_changed_texture() {
     fs::write(project.join("build.rs"), &blocks("rust")[0]).expect("a build script");
     let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     if Command::new(&rustc).arg("--version").output().is_err() {
-        return tell_skipped("there is no rustc");
+        return report_skipped("there is no rustc");
     }
     let compiled = run_in(&project, &rustc, &["--edition", "2024", "build.rs", "-o", "build"]);
     assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
@@ -105,7 +105,7 @@ fn cmake_restores_the_textures() {
     let head = "cmake_minimum_required(VERSION 3.18)\nproject(game NONE)\nadd_custom_target(game ALL)\n";
     fs::write(project.join("CMakeLists.txt"), format!("{head}{}", blocks("cmake")[0])).expect("a project");
     if Command::new("cmake").arg("--version").output().is_err() {
-        return tell_skipped("there is no cmake");
+        return report_skipped("there is no cmake");
     }
     fs::remove_dir_all(project.join("assets")).expect("a folder");
     for args in [&["-S", ".", "-B", "out"][..], &["--build", "out"]] {

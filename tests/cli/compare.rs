@@ -27,8 +27,8 @@ fn two() -> (tempfile::TempDir, [String; 2]) {
 fn a_table_is_refitted_and_a_table_with_other_numbers_is_rejected() {
     let (folder, [table, other]) = two();
     let here = folder.path();
-    let told = run(here, ["verify", &table, &other, "--refit", "--threads", "1"]).exited(0);
-    assert_eq!(told.stdout.matches("and fitting its recipe gives the same bytes").count(), 2, "{told:#?}");
+    let output = run(here, ["verify", &table, &other, "--refit", "--threads", "1"]).exited(0);
+    assert_eq!(output.stdout.matches("and fitting its recipe gives the same bytes").count(), 2, "{output:#?}");
 
     // The numbers of one table with the recipe of the other: a well-formed file that is not the result of its recipe.
     let read = |name: &str| TableFile::from_bytes(&fs::read(here.join(name)).expect("a file")).expect("a table");
@@ -50,9 +50,9 @@ fn files_of_an_export_are_made_again_from_their_recipe() {
     let here = folder.path();
     for (words, out) in [(["--for", "wgpu"], "wgpu"), (["--container", "compact-js"], "compact")] {
         run(here, ["export", &table, "--out", out].iter().chain(&words)).exited(0);
-        let told = run(here, ["verify", out, "--refit"]).exited(0);
+        let output = run(here, ["verify", out, "--refit"]).exited(0);
         let right = format!("{out}/ltcforge.json: ok, sha256:{}", table.replace(".safetensors", ""));
-        assert!(told.stdout.starts_with(&right) && told.stdout.contains("its recipe gives"), "{told:#?}");
+        assert!(output.stdout.starts_with(&right) && output.stdout.contains("its recipe gives"), "{output:#?}");
     }
     run(here, ["verify", "wgpu/ltcforge.json"]).exited(0);
     let refused = run(here, ["verify", "wgpu", "--digest", &other.replace(".safetensors", "")]).exited(3);
@@ -81,7 +81,7 @@ fn files_of_an_export_are_made_again_from_their_recipe() {
     without.as_object_mut().expect("an object").remove("recipe");
     let mut outside = document.clone();
     outside["files"][0]["path"] = "../x".into();
-    for (changed, words, told) in [
+    for (changed, words, output) in [
         (elsewhere, &["verify", "wgpu", "--refit"][..], "fitting their recipe gives"),
         (without, &["verify", "wgpu", "--refit"], "the manifest has no recipe"),
         (outside, &["verify", "wgpu"], "is outside the manifest's folder"),
@@ -89,7 +89,7 @@ fn files_of_an_export_are_made_again_from_their_recipe() {
     ] {
         fs::write(&manifest, changed.to_string()).expect("a manifest");
         let refused = run(here, words).exited(3);
-        assert!(refused.complaints()[0].contains(told), "{told}: {refused:#?}");
+        assert!(refused.complaints()[0].contains(output), "{output}: {refused:#?}");
     }
 }
 
@@ -97,14 +97,14 @@ fn files_of_an_export_are_made_again_from_their_recipe() {
 fn two_tables_are_compared_by_lookups_and_errors() {
     let (folder, [table, other]) = two();
     let here = folder.path();
-    let told = |a: &str, b: &str| -> Value {
+    let output = |a: &str, b: &str| -> Value {
         let printed = run(here, ["diff", a, b, "--json"]).exited(0);
         serde_json::from_str(&printed.stdout).expect("JSON")
     };
-    let same = told(&table, &table);
+    let same = output(&table, &table);
     assert_eq!(same["same_bytes"], true);
     assert_eq!(same["difference"]["amplitude"]["max"], 0.0);
-    let apart = told(&table, &other);
+    let apart = output(&table, &other);
     assert_eq!(apart["same_bytes"], false);
     let max = apart["difference"]["matrix"]["max"].as_f64().expect("a number");
     let mean = apart["difference"]["matrix"]["mean"].as_f64().expect("a number");
@@ -135,9 +135,9 @@ fn a_published_table_is_compared_and_a_wrong_shape_is_rejected() {
     };
     fs::write(here.join("round.npy"), npy("2, 2, 2, 2, 3, 3", 16 * 9)).expect("a file");
     let printed = run(here, ["diff", &table, "round.npy", "--points", "64", "--json"]).exited(0);
-    let told: Value = serde_json::from_str(&printed.stdout).expect("JSON");
-    assert!(told["difference"]["amplitude"].is_null(), "{told}");
-    assert!(told["difference"]["matrix"]["max"].as_f64().is_some_and(|max| max > 0.1), "{told}");
+    let output: Value = serde_json::from_str(&printed.stdout).expect("JSON");
+    assert!(output["difference"]["amplitude"].is_null(), "{output}");
+    assert!(output["difference"]["matrix"]["max"].as_f64().is_some_and(|max| max > 0.1), "{output}");
 
     let wrong = [
         ("2, 2, 2, 3, 3", 8 * 9, "[alpha, ratio, theta, phi, 3, 3]"),

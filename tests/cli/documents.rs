@@ -47,10 +47,10 @@ fn the_bytes_of_compact_tables_agree_with_the_documents() {
     let compact = length("compact", "ltc.compact");
     let with_source = |container, file| format!("{compact} + {}", length(container, file));
     let (rust, wgsl) = (with_source("compact-rust", "ltc.compact.rs"), with_source("compact-wgsl", "ltc.compact.wgsl"));
-    let mut told = row("layouts.md", "default `reflected`");
+    let mut output = row("layouts.md", "default `reflected`");
     // The gzipped length comes from another program.
-    told.remove(2);
-    assert_eq!(told, [compact, length("compact-js", "ltc.compact.js"), rust, wgsl]);
+    output.remove(2);
+    assert_eq!(output, [compact, length("compact-js", "ltc.compact.js"), rust, wgsl]);
 }
 
 #[test]

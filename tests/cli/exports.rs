@@ -19,16 +19,16 @@ fn folder_with_table() -> (tempfile::TempDir, String) {
 }
 
 /// The output of `--json`. Checks it against the written files.
-fn told(folder: &Path, printed: &str) -> Value {
-    let told: Value = serde_json::from_str(printed).expect("JSON");
-    let files = told["files"].as_array().expect("files");
+fn json_output(folder: &Path, printed: &str) -> Value {
+    let output: Value = serde_json::from_str(printed).expect("JSON");
+    let files = output["files"].as_array().expect("files");
     assert!(!files.is_empty());
     for file in files {
         let bytes = fs::read(folder.join(file["file"].as_str().expect("a path"))).expect("the file");
         assert_eq!(file["bytes"], bytes.len());
         assert_eq!(file["sha256"], Digest::of(&bytes).hex());
     }
-    told
+    output
 }
 
 #[test]
@@ -36,9 +36,10 @@ fn our_own_shader_gets_textures_and_the_contents_of_its_buffers() {
     let (folder, table) = folder_with_table();
     let here = folder.path();
     let printed = run(here, ["export", &table, "--for", "wgpu", "-o", "a/b", "--json"]).exited(0);
-    let told = told(here, &printed.stdout);
-    assert_eq!(told["layout"], "reflected");
-    let names: Vec<&str> = told["files"].as_array().expect("files").iter().filter_map(|f| f["file"].as_str()).collect();
+    let output = json_output(here, &printed.stdout);
+    assert_eq!(output["layout"], "reflected");
+    let names: Vec<&str> =
+        output["files"].as_array().expect("files").iter().filter_map(|f| f["file"].as_str()).collect();
     let expected = ["ltc_matrix_a.ktx2", "ltc_matrix_b.ktx2", "ltc_terms.ktx2", "ltc.json", "ltcforge.json"];
     assert_eq!(names, expected.map(|name| format!("a/b/{name}")));
 
@@ -69,9 +70,9 @@ fn each_format_is_written() {
         for precision in ["half", "float"] {
             let words = ["export", &table, "--layout", "reflected", "--container", container.name()];
             let more = ["--precision", precision, "-o", "out", "--json"];
-            let told = told(here, &run(here, words.iter().chain(&more)).exited(0).stdout);
-            let relative = told["files"][0]["rounding"]["relative"].as_f64().expect("a number");
-            assert!((precision == "half") == (relative > 0.0) && relative < 1e-3, "{container} {precision}: {told}");
+            let output = json_output(here, &run(here, words.iter().chain(&more)).exited(0).stdout);
+            let relative = output["files"][0]["rounding"]["relative"].as_f64().expect("a number");
+            assert!((precision == "half") == (relative > 0.0) && relative < 1e-3, "{container} {precision}: {output}");
         }
     }
 }
@@ -87,17 +88,17 @@ fn a_compact_table_has_few_bytes_and_can_be_read() {
         ("compact-rust", &["out/ltc.compact", "out/ltc.compact.rs", "out/ltcforge.json"]),
         ("compact-wgsl", &["out/ltc.compact", "out/ltc.compact.wgsl", "out/ltcforge.json"]),
     ] {
-        let told = told(
+        let output = json_output(
             here,
             &run(here, ["export", &table, "--container", container, "-o", "out", "--json"]).exited(0).stdout,
         );
         let files: Vec<&str> =
-            told["files"].as_array().expect("files").iter().filter_map(|f| f["file"].as_str()).collect();
-        assert_eq!((files.as_slice(), &told["layout"]), (names, &Value::from("reflected")));
+            output["files"].as_array().expect("files").iter().filter_map(|f| f["file"].as_str()).collect();
+        assert_eq!((files.as_slice(), &output["layout"]), (names, &Value::from("reflected")));
         for name in ["mean", "p95"] {
-            let [of_table, of_form] = ["table", "decoded"].map(|of| told["compared"][of][name].as_f64());
+            let [of_table, of_form] = ["table", "decoded"].map(|of| output["compared"][of][name].as_f64());
             let [of_table, of_form] = [of_table, of_form].map(|error| error.expect("a number"));
-            assert!(of_table > 0.0 && of_form < 1.05 * of_table, "{told}");
+            assert!(of_table > 0.0 && of_form < 1.05 * of_table, "{output}");
         }
     }
     let said = run(here, ["export", &table, "--container", "compact", "-o", "out"]).exited(0).stdout;
@@ -133,11 +134,11 @@ fn a_shader_needs_no_texture_for_isotropic_tables() {
     let digest: Digest = fitted.last_line().parse().expect("a digest");
     let table = format!("{}.safetensors", digest.hex());
     let words = ["shader", "--language", "glsl-es", "--without-textures"];
-    let told = run(here, words.iter().chain(&[table.as_str(), "-o", "light.glsl", "--json"])).exited(0);
-    let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
-    assert_eq!((&told["coefficients"], &told["table"]), (&Value::from(600), &Value::from(digest.to_string())));
+    let output = run(here, words.iter().chain(&[table.as_str(), "-o", "light.glsl", "--json"])).exited(0);
+    let output: Value = serde_json::from_str(&output.stdout).expect("JSON");
+    assert_eq!((&output["coefficients"], &output["table"]), (&Value::from(600), &Value::from(digest.to_string())));
     // A draft with few nodes. The error of a finer table is in docs/layouts.md.
-    assert!(told["error"].as_f64().is_some_and(|error| error < 0.06), "{told}");
+    assert!(output["error"].as_f64().is_some_and(|error| error < 0.06), "{output}");
     let text = fs::read_to_string(here.join("light.glsl")).expect("a file");
     for said in [
         "table sha256:",
@@ -220,8 +221,8 @@ fn engines_get_tables_of_their_layouts() {
         let table = fitted.last_line();
         for (engine, file) in engines {
             let printed = run(here, ["export", table, "--for", engine, "-o", engine, "--json"]).exited(0);
-            let told = told(here, &printed.stdout);
-            assert_eq!(told["layout"], layout);
+            let output = json_output(here, &printed.stdout);
+            assert_eq!(output["layout"], layout);
             assert!(here.join(engine).join(file).exists(), "{engine}: no {file}");
         }
         run(here, ["export", table, "--for", "wgpu", "-o", "wgpu"]).exited(0);

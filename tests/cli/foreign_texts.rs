@@ -15,22 +15,22 @@ fn changes_of_git_to_pinned_files_are_reported_by_name() {
     let manifest = project.join("assets/ltc/ltcforge.json");
     let right = read(&manifest);
     fs::write(&manifest, right.replace('\n', "\r\n")).expect("a file");
-    let told = run(&project, ["pull", "--locked"]).exited(3);
+    let output = run(&project, ["pull", "--locked"]).exited(3);
     let line = "/assets/ltc/ltcforge.json -text";
-    assert!(told.stderr.contains("core.autocrlf") && told.stderr.contains(&format!("«{line}»")), "{told:#?}");
+    assert!(output.stderr.contains("core.autocrlf") && output.stderr.contains(&format!("«{line}»")), "{output:#?}");
     run(&project, ["pull", "--offline"]).exited(0);
     assert_eq!(read(&manifest), right);
 
     // In a Git checkout, `lock` prints lines for .gitattributes until the file contains them.
     fs::create_dir(project.join(".git")).expect("a folder");
-    let told = run(&project, ["lock"]).exited(0);
-    let (_, lines) = told.stdout.split_once("line endings:\n").expect("lines");
-    assert!(lines.contains(line) && !lines.contains("ktx2") && !lines.contains("safetensors"), "{told:#?}");
+    let output = run(&project, ["lock"]).exited(0);
+    let (_, lines) = output.stdout.split_once("line endings:\n").expect("lines");
+    assert!(lines.contains(line) && !lines.contains("ktx2") && !lines.contains("safetensors"), "{output:#?}");
     let json = run(&project, ["lock", "--json"]).exited(0);
     assert!(json.last_line().contains(r#""gitattributes":["#), "{json:#?}");
     fs::write(project.join(".gitattributes"), lines).expect("a file");
-    let told = run(&project, ["lock"]).exited(0);
-    assert!(!told.stdout.contains("-text"), "{told:#?}");
+    let output = run(&project, ["lock"]).exited(0);
+    assert!(!output.stdout.contains("-text"), "{output:#?}");
 
     // Pointers of Git LFS, of tables, exports and recipes.
     let pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 7\n";
@@ -49,17 +49,17 @@ fn changes_of_git_to_pinned_files_are_reported_by_name() {
         &["fit", "recipe.json"],
         &["fit", "of.json"],
     ] {
-        let told = run(&project, words);
-        assert!(told.code != Some(0) && told.stderr.contains("git lfs pull"), "{words:?}: {told:#?}");
+        let output = run(&project, words);
+        assert!(output.code != Some(0) && output.stderr.contains("git lfs pull"), "{words:?}: {output:#?}");
     }
     fs::write(project.join("recipe.json"), format!("<<<<<<< HEAD\n{SMALL}\n=======\n{SMALL}\n>>>>>>> other\n"))
         .expect("a recipe");
-    let told = run(&project, ["fit", "recipe.json"]).exited(2);
-    assert!(told.stderr.contains("merge marker"), "{told:#?}");
+    let output = run(&project, ["fit", "recipe.json"]).exited(2);
+    assert!(output.stderr.contains("merge marker"), "{output:#?}");
     let lock = read(&project.join("ltcforge.lock"));
     fs::write(project.join("ltcforge.lock"), format!("{lock}<<<<<<< HEAD\n=======\n>>>>>>> other\n")).expect("a file");
-    let told = run(&project, ["pull"]).exited(2);
-    assert!(told.stderr.contains("ltcforge.lock: line ") && told.stderr.contains("merge marker"), "{told:#?}");
+    let output = run(&project, ["pull"]).exited(2);
+    assert!(output.stderr.contains("ltcforge.lock: line ") && output.stderr.contains("merge marker"), "{output:#?}");
 }
 
 #[test]
@@ -75,8 +75,8 @@ fn a_byte_order_mark_is_skipped() {
     submitted.exited(0);
     let utf_16: Vec<u8> = marked.encode_utf16().flat_map(u16::to_le_bytes).collect();
     fs::write(folder.path().join("small.json"), utf_16).expect("a recipe");
-    let told = run(folder.path(), ["fit", "small.json"]).exited(2);
-    assert!(told.stderr.contains("save it as UTF-8"), "{told:#?}");
+    let output = run(folder.path(), ["fit", "small.json"]).exited(2);
+    assert!(output.stderr.contains("save it as UTF-8"), "{output:#?}");
 }
 
 /// For all errors, and for all places that contain the URL.
@@ -86,8 +86,8 @@ fn no_error_shows_a_password_and_no_port_becomes_another() {
     fs::remove_file(project.join("assets/metal.safetensors")).expect("a file");
     for url in ["http://127.0.0.1:99999", "http://127.0.0.1:0", "http://[::1]:65536"] {
         for words in [&["pull", "--from", url][..], &["pull", "--server", url], &["jobs", "list", "--server", url]] {
-            let told = run(&project, words).exited(2);
-            assert!(told.stderr.contains("the port must be a number from 1 to 65535"), "{told:#?}");
+            let output = run(&project, words).exited(2);
+            assert!(output.stderr.contains("the port must be a number from 1 to 65535"), "{output:#?}");
         }
     }
     let other = run(&project, ["pull", "--from", "ftp://host"]).exited(2);
@@ -100,8 +100,8 @@ fn no_error_shows_a_password_and_no_port_becomes_another() {
         "ftp://user:secret@h",
         "http://user:secret/x@h",
     ] {
-        let hidden = |told: &Run| {
-            assert!(!told.stderr.contains("ret") && !told.stdout.contains("ret"), "{told:#?}");
+        let hidden = |output: &Run| {
+            assert!(!output.stderr.contains("ret") && !output.stdout.contains("ret"), "{output:#?}");
         };
         let from = format!("--from={url}");
         for words in [
@@ -115,8 +115,8 @@ fn no_error_shows_a_password_and_no_port_becomes_another() {
             &["pull", url, "--json"],
             &["pull", &from, "--locked"],
         ] {
-            let told = run(&project, words).exited(2);
-            hidden(&told);
+            let output = run(&project, words).exited(2);
+            hidden(&output);
         }
         fs::write(
             project.join("ltcforge.lock"),

@@ -26,15 +26,15 @@ fn a_picture_becomes_one_file_with_all_levels() {
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();
     picture(here);
-    let told = run(here, ["light-texture", "sign.png", "-o", "a/b", "--light", "3x1", "--json"]).exited(0).stdout;
-    let told: Value = serde_json::from_str(&told).expect("JSON");
-    assert_eq!([&told["format"], &told["transfer"]], ["PNG", "srgb"]);
-    assert_eq!((&told["picture"], &told["size"]), (&serde_json::json!([6, 4]), &serde_json::json!([12, 4])));
+    let output = run(here, ["light-texture", "sign.png", "-o", "a/b", "--light", "3x1", "--json"]).exited(0).stdout;
+    let output: Value = serde_json::from_str(&output).expect("JSON");
+    assert_eq!([&output["format"], &output["transfer"]], ["PNG", "srgb"]);
+    assert_eq!((&output["picture"], &output["size"]), (&serde_json::json!([6, 4]), &serde_json::json!([12, 4])));
     let bytes = fs::read(here.join("a/b/light.ktx2")).expect("the file");
-    assert_eq!(told["files"][0]["sha256"], Digest::of(&bytes).hex());
+    assert_eq!(output["files"][0]["sha256"], Digest::of(&bytes).hex());
     let reader = ktx2::Reader::new(&bytes).expect("KTX2");
     assert_eq!([reader.header().pixel_width, reader.header().pixel_height, reader.header().level_count], [12, 4, 4]);
-    assert_eq!(told["levels"], 4);
+    assert_eq!(output["levels"], 4);
     let about = reader.key_value_data().find(|(key, _)| *key == "ltcforge").expect("about").1;
     assert!(String::from_utf8_lossy(about).contains("square on a light of 3 x 1"));
 

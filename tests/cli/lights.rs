@@ -45,11 +45,11 @@ fn light_prints_energy_and_fresnel_part_of_each_line() {
     }
 
     // JSON has the same numbers, to the last bit.
-    let told = with(&["--json", "--truth"]).stdout;
-    let told: Vec<Value> = told.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
-    for (told, row) in told.iter().zip(rows(&printed.stdout)) {
+    let output = with(&["--json", "--truth"]).stdout;
+    let output: Vec<Value> = output.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
+    for (output, row) in output.iter().zip(rows(&printed.stdout)) {
         let names = ["energy", "fresnel", "true_energy", "true_fresnel"];
-        assert_eq!(names.map(|name| told[name].as_f64().expect("a number")).to_vec(), row);
+        assert_eq!(names.map(|name| output[name].as_f64().expect("a number")).to_vec(), row);
     }
     assert_eq!(with(&["--json"]).stdout.matches("true").count(), 0);
 }
@@ -134,8 +134,8 @@ fn light_by_a_table_reports_points_outside_its_range() {
         assert_eq!(rows(&printed.stdout).len(), 4);
         let printed = run_with_stdin(folder.path(), words.iter().chain(&["--json"]), &lights).exited(0);
         assert_eq!(printed.stderr, "");
-        let told: Vec<Value> = printed.stdout.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
-        let clamped: Vec<String> = told.iter().map(|told| told["clamped"].to_string()).collect();
+        let output: Vec<Value> = printed.stdout.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
+        let clamped: Vec<String> = output.iter().map(|output| output["clamped"].to_string()).collect();
         assert_eq!(clamped, ["{}", r#"{"alpha":0.25}"#, r#"{"theta":1.0}"#, r#"{"alpha":0.25,"theta":1.0}"#]);
     }
     // A closed form has no range.
@@ -292,9 +292,9 @@ fn light_prints_the_channels_of_a_picture() {
     assert!(found[0][2] > 0.9 && found[0][3] < 0.05 && found[0][4] < 0.05, "{:?}", found[0]);
     let half = rows(&with(&["tv.png", "--f0", "0.5", "--f90", "0.5", "--readings", "6"]).exited(0).stdout);
     assert!((half[0][3] - 0.5 * found[0][2]).abs() < 1e-3, "{half:?}");
-    let told = with(&["tv.png", "--json"]).exited(0).stdout;
-    let told: Value = serde_json::from_str(told.lines().next().expect("a line")).expect("JSON");
-    assert_eq!(told["red"].as_f64(), Some(found[0][2]));
+    let output = with(&["tv.png", "--json"]).exited(0).stdout;
+    let output: Value = serde_json::from_str(output.lines().next().expect("a line")).expect("JSON");
+    assert_eq!(output["red"].as_f64(), Some(found[0][2]));
 
     // Compensation applies the same factor to each channel as to the whole light, also in truth.
     let [once, all] =

@@ -43,8 +43,11 @@ fn a_material_is_looked_up_by_its_number() {
 
     let grid = fitted(here, r#""layout": "reflected", "range": {"alpha": [0.5, 0.5], "ratio": [1, 1]}"#);
     let refused = run_with_stdin(here, ["lookup", &grid, "--tables", ".", "--points", "-", "--material", "0"], "0,0\n");
-    let told = refused.exited(2).stderr;
-    assert!(told.contains("--material needs a table of layout materials; this table has layout reflected"), "{told}");
+    let output = refused.exited(2).stderr;
+    assert!(
+        output.contains("--material needs a table of layout materials; this table has layout reflected"),
+        "{output}"
+    );
 }
 
 #[test]
@@ -56,8 +59,8 @@ fn a_shader_text_contains_explicit_nodes() {
     assert!(text.contains("LTC_NODES_OF_ALPHA") && text.contains(&uneven[..20]), "{text}");
     run(here, ["export", &uneven, "--tables", ".", "--for", "wgpu", "-o", "textures"]).exited(0);
     let even = fitted(here, r#""nodes": {"alpha": [0.04, 0.25], "ratio": [1]}"#);
-    let told = run(here, ["shader", "--language", "glsl", "--nodes", &even, "--tables", "."]).exited(2).stderr;
-    assert!(told.contains("the table has the nodes of layout reflected: use --layout reflected"), "{told}");
+    let output = run(here, ["shader", "--language", "glsl", "--nodes", &even, "--tables", "."]).exited(2).stderr;
+    assert!(output.contains("the table has the nodes of layout reflected: use --layout reflected"), "{output}");
     let words = ["shader", "--language", "glsl", "--nodes", &uneven, "--tables", ".", "--model", "normals"];
     assert!(run(here, words).exited(2).stderr.contains("--nodes and --without-textures need --model ltc"));
 }

@@ -95,8 +95,8 @@ fn a_table_on_a_server_is_pinned_by_its_digest() {
     assert_eq!(fs::read_dir(&project).expect("the project").count(), 0, "nothing was made");
 
     let digest = server.fit(SMALL);
-    let told = lock("metal", &digest, &server.url, 0);
-    assert_eq!(told.stdout, "metal pinned: sub/t\n");
+    let output = lock("metal", &digest, &server.url, 0);
+    assert_eq!(output.stdout, "metal pinned: sub/t\n");
     assert_eq!(Digest::of(&fs::read(&file).expect("the table")).to_string(), digest);
     let text = read(&project.join("ltcforge.lock"));
     assert!(text.contains(&format!("sources = [\"{}\"]", server.url)), "{text}");

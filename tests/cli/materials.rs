@@ -20,10 +20,10 @@ fn light_of_a_material_is_a_weighted_sum_of_both_parts() {
             assert!((0.04 * (energy - fresnel) + 0.5 * fresnel - reflected).abs() < 1e-15, "{row:?}");
         }
     }
-    let told = with(&["--f0", "0.04", "--f90", "0.5", "--truth", "--json"]).exited(0).stdout;
-    let told: Vec<Value> = told.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
-    for (told, row) in told.iter().zip(rows(&printed)) {
-        let numbers = ["reflected", "true_reflected"].map(|name| told[name].as_f64().expect("a number"));
+    let output = with(&["--f0", "0.04", "--f90", "0.5", "--truth", "--json"]).exited(0).stdout;
+    let output: Vec<Value> = output.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
+    for (output, row) in output.iter().zip(rows(&printed)) {
+        let numbers = ["reflected", "true_reflected"].map(|name| output[name].as_f64().expect("a number"));
         assert_eq!(numbers, [row[2], row[5]]);
     }
     for (options, word) in [
@@ -96,12 +96,12 @@ fn light_of_a_metal_is_darker_at_its_edge() {
     let by = |table: &str| with(&[&["--model", "ltc", "--table", table], &metal[..4]].concat()).exited(2).stderr;
     assert!(by(&fit("")).contains(r#"its recipe needs "terms": "f82""#));
     let cloth = fit(r#", "brdf": "charlie""#);
-    let told = by(&cloth);
+    let output = by(&cloth);
     let no_fresnel = "--f0: brdf charlie has no Fresnel factor: leave it out";
-    assert!(told.contains(no_fresnel) && told.contains("; --f82: ") && told.contains("no edge term"), "{told}");
+    assert!(output.contains(no_fresnel) && output.contains("; --f82: ") && output.contains("no edge term"), "{output}");
     let by_cloth = |options: &[&str]| with(&[&["--model", "ltc", "--table", &cloth], options].concat());
-    let told = by_cloth(&["--f0", "0.04"]).exited(2).stderr.clone();
-    assert!(told.contains(no_fresnel) && !told.contains("--f82"), "{told}");
+    let output = by_cloth(&["--f0", "0.04"]).exited(2).stderr.clone();
+    assert!(output.contains(no_fresnel) && !output.contains("--f82"), "{output}");
     assert_eq!(rows(&by_cloth(&["--truth"]).exited(0).stdout).len(), lights.lines().count());
     assert!(with(&["--f82", "0.5"]).exited(2).stderr.contains("--f0"));
 }

@@ -45,8 +45,8 @@ fn paths_that_are_not_utf_8_work_in_every_command() {
     let table = Path::new(&odd("")).join(format!("{hex}.safetensors"));
     assert!(here.join(&table).exists());
 
-    let told = run(here, line(&[&"fit", &odd(".json"), &"-o", &odd(""), &"--json"])).exited(0);
-    assert!(told.stdout.contains("odd\u{fffd}/"), "{}", told.stdout);
+    let output = run(here, line(&[&"fit", &odd(".json"), &"-o", &odd(""), &"--json"])).exited(0);
+    assert!(output.stdout.contains("odd\u{fffd}/"), "{}", output.stdout);
     for json in [&[][..], &["--json"]] {
         for words in [
             line(&[&"verify", &table]),

@@ -15,18 +15,18 @@ fn preview_writes_a_picture_and_names_the_renderer() {
     let fitted = run_with_stdin(folder.path(), ["fit", "-"], SMALL).exited(0);
     let beginning = &fitted.last_line()[..16];
     let arguments = ["preview", beginning, "-o", "p.png", "--size", "64", "--spp", "2", "--adapter", "cpu"];
-    let told = run(folder.path(), arguments.iter().chain(&["--mode", "strip", "--scene", "figure14"])).exited(0);
-    assert!(told.stderr.starts_with("adapter: cpu\n"), "{told:#?}");
-    assert_eq!(told.stderr.matches("mean absolute error").count(), 4);
+    let output = run(folder.path(), arguments.iter().chain(&["--mode", "strip", "--scene", "figure14"])).exited(0);
+    assert!(output.stderr.starts_with("adapter: cpu\n"), "{output:#?}");
+    assert_eq!(output.stderr.matches("mean absolute error").count(), 4);
     let file = fs::read(folder.path().join("p.png")).expect("the picture");
     assert!(file.starts_with(b"\x89PNG\r\n"));
 
     // One material replaces the scene's four materials.
     let one = ["--mode", "difference", "--scene", "figure14", "--alpha-x", "0.2", "--json"];
-    let told = run(folder.path(), arguments.iter().chain(&one)).exited(0);
-    let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
-    assert_eq!(told["errors"].as_array().map(Vec::len), Some(1));
-    assert_eq!((&told["adapter"], &told["errors"][0]["alpha_x"]), (&"cpu".into(), &0.2.into()));
+    let output = run(folder.path(), arguments.iter().chain(&one)).exited(0);
+    let output: Value = serde_json::from_str(&output.stdout).expect("JSON");
+    assert_eq!(output["errors"].as_array().map(Vec::len), Some(1));
+    assert_eq!((&output["adapter"], &output["errors"][0]["alpha_x"]), (&"cpu".into(), &0.2.into()));
 
     let refused =
         run(folder.path(), arguments.iter().chain(&["--alpha-y", "2", "--light-centre", "-1,0,200"])).exited(2);
@@ -48,8 +48,9 @@ fn preview_shows_a_picture_on_the_light() {
         run(folder.path(), usual.iter().chain(more))
     };
     let radiance = |more: &[&str]| {
-        let told: Value = serde_json::from_str(&preview(&[more, &["--json"]].concat()).exited(0).stdout).expect("JSON");
-        let errors = told["errors"].as_array().expect("errors").clone();
+        let output: Value =
+            serde_json::from_str(&preview(&[more, &["--json"]].concat()).exited(0).stdout).expect("JSON");
+        let errors = output["errors"].as_array().expect("errors").clone();
         let of = |name: &'static str| errors.iter().map(move |error| error[name].as_f64().expect("a number"));
         (of("mean_radiance").sum::<f64>(), of("mean_absolute_error").sum::<f64>())
     };
@@ -102,11 +103,11 @@ fn a_table_of_another_scattering_model_is_compared_with_this_model() {
         let material = ["--alpha-x", "0.5", "--alpha-y", "0.5"];
         run(folder.path(), arguments.iter().chain(&material).chain(more))
     };
-    let told = preview(&["--mode", "strip", "--json"]).exited(0);
-    let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
-    let of = |name: &str| told["errors"][0][name].as_f64().expect("a number");
-    assert_eq!(told["adapter"], "cpu");
-    assert!(of("mean_absolute_error") < 0.3 * of("mean_radiance") && of("mean_radiance") > 0.0, "{told}");
+    let output = preview(&["--mode", "strip", "--json"]).exited(0);
+    let output: Value = serde_json::from_str(&output.stdout).expect("JSON");
+    let of = |name: &str| output["errors"][0][name].as_f64().expect("a number");
+    assert_eq!(output["adapter"], "cpu");
+    assert!(of("mean_absolute_error") < 0.3 * of("mean_radiance") && of("mean_radiance") > 0.0, "{output}");
     for refused in [
         &["--model", "normals", "--mode", "strip"][..],
         &["--mode", "models"],
@@ -123,18 +124,18 @@ fn a_table_of_another_scattering_model_is_compared_with_this_model() {
         run_with_stdin(folder.path(), ["light", "-", "--model", "ltc", "--table", table].iter().chain(more), lights)
     };
     assert!(light(&[]).exited(0).stdout.lines().count() == 2);
-    let told = light(&["--truth", "--json"]).exited(0);
-    let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
-    let [by_table, truth] = ["energy", "true_energy"].map(|name| told[name].as_f64().expect("a number"));
-    assert!(truth > 0.01 && by_table != truth && (by_table - truth).abs() < 0.3 * truth, "{told}");
+    let output = light(&["--truth", "--json"]).exited(0);
+    let output: Value = serde_json::from_str(&output.stdout).expect("JSON");
+    let [by_table, truth] = ["energy", "true_energy"].map(|name| output[name].as_f64().expect("a number"));
+    assert!(truth > 0.01 && by_table != truth && (by_table - truth).abs() < 0.3 * truth, "{output}");
     let tradeoff = run_with_stdin(folder.path(), ["tradeoff", "--recipe", "-", "--quick", "-o", "."], recipe).exited(2);
     assert!(tradeoff.stderr.contains("/brdf: ") && tradeoff.stderr.contains("got charlie"), "{tradeoff:#?}");
 
     // Normally distributed slopes have shorter tails than an LTC.
     let recipe = SMALL.replacen('{', r#"{"brdf": "beckmann","#, 1);
     let beckmann = run_with_stdin(folder.path(), ["fit", "-"], &recipe).exited(0);
-    let told = run(folder.path(), ["report", &beckmann.last_line()[..16], "--points", "16"]).exited(0);
-    assert!(told.stdout.contains("where an LTC models the lobe poorly"), "{told:#?}");
+    let output = run(folder.path(), ["report", &beckmann.last_line()[..16], "--points", "16"]).exited(0);
+    assert!(output.stdout.contains("where an LTC models the lobe poorly"), "{output:#?}");
 }
 
 /// Without a Vulkan driver, only the renderer changes.
@@ -148,8 +149,8 @@ fn preview_without_a_vulkan_driver_renders_on_the_cpu() {
         command.envs(["VK_DRIVER_FILES", "VK_ICD_FILENAMES"].map(|name| (name, "/nowhere.json")));
         crate::common::command::Run::from(command.output().expect("the binary runs"))
     };
-    let told = hide("any").exited(0);
-    assert!(told.stderr.contains("adapter: cpu\n"), "{told:#?}");
+    let output = hide("any").exited(0);
+    assert!(output.stderr.contains("adapter: cpu\n"), "{output:#?}");
     assert!(hide("gpu").exited(1).stderr.contains("no adapter"));
 }
 
@@ -161,16 +162,16 @@ fn a_picture_of_model_normals_needs_no_table() {
         let arguments = ["preview", "--size", "64", "--spp", "16", "--adapter", "cpu", "-o", "p.png"];
         run(folder.path(), arguments.iter().chain(more))
     };
-    let told = preview(&["--model", "normals", "--mode", "strip", "--json"]).exited(0);
-    let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
-    assert_eq!((&told["table"], &told["errors"][0]["model"]), (&Value::Null, &"normals".into()));
-    let error = told["errors"][0]["mean_absolute_error"].as_f64().expect("a number");
+    let output = preview(&["--model", "normals", "--mode", "strip", "--json"]).exited(0);
+    let output: Value = serde_json::from_str(&output.stdout).expect("JSON");
+    assert_eq!((&output["table"], &output["errors"][0]["model"]), (&Value::Null, &"normals".into()));
+    let error = output["errors"][0]["mean_absolute_error"].as_f64().expect("a number");
     assert!(error < 0.02, "{error}");
     for model in ["sg", "asg"] {
-        let told = preview(&["--model", model, "--mode", "strip", "--json"]).exited(0);
-        let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
-        let error = told["errors"][0]["mean_absolute_error"].as_f64().expect("a number");
-        assert!(told["errors"][0]["model"] == model && error > 1e-3 && error < 0.1, "{told}");
+        let output = preview(&["--model", model, "--mode", "strip", "--json"]).exited(0);
+        let output: Value = serde_json::from_str(&output.stdout).expect("JSON");
+        let error = output["errors"][0]["mean_absolute_error"].as_f64().expect("a number");
+        assert!(output["errors"][0]["model"] == model && error > 1e-3 && error < 0.1, "{output}");
     }
     for shows_a_table in [&["--model", "ltc"][..], &["--mode", "models"], &["--mode", "lobe", "--model", "normals"]] {
         assert!(preview(shows_a_table).exited(2).stderr.contains("needs a table"), "{shows_a_table:?}");
@@ -183,11 +184,11 @@ fn shader_is_written_in_each_language_to_a_file_or_to_standard_output() {
     for language in ["wgsl", "glsl", "glsl-es", "hlsl", "msl", "spirv"] {
         for layout in ["reflected", "kt2022"] {
             let arguments = ["shader", "--as", "example", "--language", language, "--layout", layout];
-            let told = run(folder.path(), arguments.iter().chain(&["-o", "s", "--json"])).exited(0);
-            let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
+            let output = run(folder.path(), arguments.iter().chain(&["-o", "s", "--json"])).exited(0);
+            let output: Value = serde_json::from_str(&output.stdout).expect("JSON");
             let file = fs::read(folder.path().join("s")).expect("the shader");
-            assert_eq!((&told["language"], &told["layout"]), (&language.into(), &layout.into()));
-            assert_eq!(told["bytes"], file.len());
+            assert_eq!((&output["language"], &output["layout"]), (&language.into(), &layout.into()));
+            assert_eq!(output["bytes"], file.len());
             let start: &[u8] = match language {
                 "spirv" => b"\x03\x02\x23\x07",
                 "glsl" => b"#version 450 core\n// SPDX-License-Identifier",
@@ -200,22 +201,22 @@ fn shader_is_written_in_each_language_to_a_file_or_to_standard_output() {
         }
     }
     let normals = ["shader", "--language", "hlsl", "--model", "normals", "--json"];
-    let told: Value = serde_json::from_str(&run(folder.path(), normals).exited(0).stdout).expect("JSON");
-    assert_eq!((&told["model"], &told["layout"]), (&"normals".into(), &Value::Null));
-    assert!(told["source"].as_str().expect("text").contains("normals_polygon("));
+    let output: Value = serde_json::from_str(&run(folder.path(), normals).exited(0).stdout).expect("JSON");
+    assert_eq!((&output["model"], &output["layout"]), (&"normals".into(), &Value::Null));
+    assert!(output["source"].as_str().expect("text").contains("normals_polygon("));
     let texts = ["sg", "asg"].map(|model| {
         let arguments = ["shader", "--language", "glsl-es", "--model", model, "--json"];
-        let told: Value = serde_json::from_str(&run(folder.path(), arguments).exited(0).stdout).expect("JSON");
-        assert_eq!((&told["model"], &told["layout"]), (&model.into(), &Value::Null));
-        told["source"].as_str().expect("text").to_owned()
+        let output: Value = serde_json::from_str(&run(folder.path(), arguments).exited(0).stdout).expect("JSON");
+        assert_eq!((&output["model"], &output["layout"]), (&model.into(), &Value::Null));
+        output["source"].as_str().expect("text").to_owned()
     });
     assert!(texts[0].contains("gaussians_polygon(") && texts[0] == texts[1]);
     assert!(run(folder.path(), ["shader", "--language", "hlsl"]).exited(2).stderr.contains("--layout"));
     let both = ["shader", "--language", "hlsl", "--model", "normals", "--layout", "kt2022"];
     assert!(run(folder.path(), both).exited(2).stderr.contains("reads no table"));
     let wgsl = ["shader", "--language", "wgsl", "--layout", "kt2022", "--json"];
-    let told: Value = serde_json::from_str(&run(folder.path(), wgsl).exited(0).stdout).expect("JSON");
-    let text = told["source"].as_str().expect("text");
+    let output: Value = serde_json::from_str(&run(folder.path(), wgsl).exited(0).stdout).expect("JSON");
+    let text = output["source"].as_str().expect("text");
     assert!(text.contains("fn ltc_lookup(") && text.contains("fn ltc_tube("));
     let [all, polygons] = ["all", "polygons"]
         .map(|lights| run(folder.path(), wgsl[..5].iter().chain(&["--lights", lights])).exited(0).stdout);
@@ -230,9 +231,9 @@ fn a_shader_is_written_as_a_module_with_its_types() {
         let arguments = ["shader", "--language", "glsl-es", "--model", "normals"];
         let text = run(folder.path(), arguments).exited(0).stdout;
         let module = ["--es-module", "--json", "-o", file];
-        let told = run(folder.path(), arguments.iter().chain(&module)).exited(0).stdout;
-        let told: Value = serde_json::from_str(&told).expect("JSON");
-        assert_eq!((&told["file"], &told["declarations"]), (&file.into(), &types.into()));
+        let output = run(folder.path(), arguments.iter().chain(&module)).exited(0).stdout;
+        let output: Value = serde_json::from_str(&output).expect("JSON");
+        assert_eq!((&output["file"], &output["declarations"]), (&file.into(), &types.into()));
         assert_eq!(read(file), format!("export default /* glsl */ `{text}`;\n"));
         assert!(read(types).ends_with("declare const text: string;\nexport default text;\n"));
     }
@@ -279,7 +280,7 @@ fn shader_rejects_unknown_arguments_and_spirv_without_an_output_file() {
 #[test]
 fn plots_reject_parameters_that_they_do_not_have() {
     let folder = tempfile::tempdir().expect("a folder");
-    for (arguments, told) in [
+    for (arguments, output) in [
         (&["plot", "t.npy", "light", "-o", "x.png"][..], "light"),
         (&["plot", "t.npy", "matrix", "--ratio", "0.2", "-o", "x.png"], "--ratio"),
         (&["plot", "t.npy", "error", "--phi", "7", "-o", "x.png"], "azimuth"),
@@ -287,6 +288,6 @@ fn plots_reject_parameters_that_they_do_not_have() {
         (&["report", "--model", "ltc"], "--model"),
     ] {
         let refused = run(folder.path(), arguments).exited(2);
-        assert!(refused.stderr.contains(told), "{arguments:?}: {}", refused.stderr);
+        assert!(refused.stderr.contains(output), "{arguments:?}: {}", refused.stderr);
     }
 }

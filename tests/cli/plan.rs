@@ -23,8 +23,8 @@ fn a_plan_is_fitted_pinned_and_checked() {
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();
     fs::write(here.join("scene.json"), LIST).expect("a list");
-    let told = run(here, ["plan", "scene.json", "--bytes", "2000", "--fit", "-o", "ltc"]).exited(0).stdout;
-    assert!(told.starts_with("2 materials, 0 anisotropic; every view\n"), "{told}");
+    let output = run(here, ["plan", "scene.json", "--bytes", "2000", "--fit", "-o", "ltc"]).exited(0).stdout;
+    assert!(output.starts_with("2 materials, 0 anisotropic; every view\n"), "{output}");
     let plan = json_of(&fs::read(here.join("ltc/plan.json")).expect("a plan"));
     let table = &plan["tables"][0];
     let bytes = table["predicted"]["bytes"].as_u64().expect("bytes");
@@ -46,16 +46,19 @@ fn a_plan_is_fitted_pinned_and_checked() {
     assert_eq!(json!(Digest::of(recipe.trim_ascii()).to_string()), table["recipe_digest"]);
 
     run(here, ["lock", "ltc", "--plan", "ltc"]).exited(0);
-    let told = run(here, ["plan", "scene.json", "ltc.safetensors", "--check"]).exited(0).stdout;
-    assert!(!told.contains("reflectance"), "{told}");
+    let output = run(here, ["plan", "scene.json", "ltc.safetensors", "--check"]).exited(0).stdout;
+    assert!(!output.contains("reflectance"), "{output}");
     let plain =
         r#"{"preset": "draft", "range": {"ratio": [1, 1], "phi": [0, 0]}, "resolution": {"alpha": 4, "theta": 4}}"#;
     let plain = run_with_stdin(here, ["fit", "-"], plain).exited(0).last_line().to_owned();
-    let told = run(here, ["plan", "scene.json", &plain, "--check"]).exited(0).stdout;
-    assert!(told.contains("reflectance: the materials have F0 ") && told.contains("was fitted for 1.00"), "{told}");
+    let output = run(here, ["plan", "scene.json", &plain, "--check"]).exited(0).stdout;
+    assert!(
+        output.contains("reflectance: the materials have F0 ") && output.contains("was fitted for 1.00"),
+        "{output}"
+    );
     fs::write(here.join("grown.json"), LIST.replace("0.05", "0.4")).expect("a list");
-    let told = run(here, ["plan", "grown.json", "ltc.safetensors", "--check"]).exited(3).stdout;
-    assert!(told.starts_with("lacquer: alpha 0.4000 to 0.4000, table 0.0500 to 0.2000"), "{told}");
+    let output = run(here, ["plan", "grown.json", "ltc.safetensors", "--check"]).exited(3).stdout;
+    assert!(output.starts_with("lacquer: alpha 0.4000 to 0.4000, table 0.0500 to 0.2000"), "{output}");
 }
 
 #[test]
@@ -63,10 +66,10 @@ fn a_budget_that_cannot_be_met_names_the_nearest_table() {
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();
     fs::write(here.join("scene.json"), STEEL).expect("a list");
-    let told = run(here, ["plan", "scene.json", "--bytes", "20"]).exited(1).stdout;
-    assert!(told.contains("20 bytes are too few: the smallest table has 44"), "{told}");
-    let told = run(here, ["plan", "scene.json", "--error", "0.001"]).exited(1).stdout;
-    assert!(told.contains("no table has an error of 0.001 or less: the nearest table has"), "{told}");
+    let output = run(here, ["plan", "scene.json", "--bytes", "20"]).exited(1).stdout;
+    assert!(output.contains("20 bytes are too few: the smallest table has 44"), "{output}");
+    let output = run(here, ["plan", "scene.json", "--error", "0.001"]).exited(1).stdout;
+    assert!(output.contains("no table has an error of 0.001 or less: the nearest table has"), "{output}");
 }
 
 #[test]
@@ -75,10 +78,10 @@ fn a_scene_of_two_cameras_needs_their_views_alone() {
     let here = folder.path();
     fs::copy(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/scenes/Cameras.gltf"), here.join("scene.gltf"))
         .expect("a file");
-    let told = run(here, ["--json", "plan", "scene.gltf"]).exited(0).stdout;
-    let told = json_of(told.as_bytes());
-    assert_eq!(told["plan"]["scene"]["cameras"], 2);
-    let range = &told["plan"]["tables"][0]["recipe"]["range"];
+    let output = run(here, ["--json", "plan", "scene.gltf"]).exited(0).stdout;
+    let output = json_of(output.as_bytes());
+    assert_eq!(output["plan"]["scene"]["cameras"], 2);
+    let range = &output["plan"]["tables"][0]["recipe"]["range"];
     let [low, high] = [0, 1].map(|end| range["theta"][end].as_f64().expect("an angle"));
     // The square is tilted by 45 degrees about x, and the cameras look down from above.
     assert!(low > 0.5 && high < 1.1 && low < FRAC_PI_4 && high > FRAC_PI_4, "{low} {high}");
@@ -90,8 +93,11 @@ fn scenes_that_are_none_are_usage_errors() {
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();
     fs::write(here.join("scene.gltf"), r#"{"nodes": [{"mesh": 3, "children": [9]}]}"#).expect("a file");
-    let told = run(here, ["plan", "scene.gltf"]).exited(2).stderr;
-    assert!(told.contains("/nodes/0/mesh: 3 is out of range") && told.contains("/nodes/0/children/0: 9"), "{told}");
+    let output = run(here, ["plan", "scene.gltf"]).exited(2).stderr;
+    assert!(
+        output.contains("/nodes/0/mesh: 3 is out of range") && output.contains("/nodes/0/children/0: 9"),
+        "{output}"
+    );
     run(here, ["plan", "none.glb"]).exited(1);
     assert!(fs::read_dir(here).expect("a folder").count() == 1);
 }
@@ -120,15 +126,15 @@ fn seconds_are_a_budget_and_take_less_effort() {
     let here = folder.path();
     fs::write(here.join("scene.json"), STEEL).expect("a list");
     let plan = |seconds: &str| {
-        let told = run(here, ["--json", "plan", "scene.json", "--seconds", seconds]).exited(0).stdout;
-        json_of(told.as_bytes())["plan"]["tables"][0]["predicted"].clone()
+        let output = run(here, ["--json", "plan", "scene.json", "--seconds", seconds]).exited(0).stdout;
+        json_of(output.as_bytes())["plan"]["tables"][0]["predicted"].clone()
     };
     let [fast, slow] = ["0.02", "0.5"].map(plan);
     let number = |of: &Value, name: &str| of[name].as_f64().expect("a number");
     assert!(number(&fast, "seconds") <= 0.02 && number(&slow, "seconds") <= 0.5, "{fast} {slow}");
     assert!(number(&fast, "error") > number(&slow, "error"), "{fast} {slow}");
-    let told = run(here, ["plan", "scene.json", "--seconds", "0.00001"]).exited(1).stdout;
-    assert!(told.contains("0.00001 s are too few: the fastest fit takes"), "{told}");
+    let output = run(here, ["plan", "scene.json", "--seconds", "0.00001"]).exited(1).stdout;
+    assert!(output.contains("0.00001 s are too few: the fastest fit takes"), "{output}");
 }
 
 #[test]
@@ -165,8 +171,8 @@ fn recipes_of_sheen_are_pinned_beside_the_others() {
     assert!(here.join("assets/cloth.bin").exists() && here.join("assets/cloth-sheen.bin").exists());
     run(here, ["verify", "assets/cloth.bin", "assets/cloth-sheen.bin"]).exited(0);
     // An engine's files are of one scattering model.
-    let told = run(here, ["plan", "scene.json", "--for", "three", "-o", "three"]).exited(0).stdout;
-    assert!(told.contains("sheen: files for three hold one scattering model"), "{told}");
+    let output = run(here, ["plan", "scene.json", "--for", "three", "-o", "three"]).exited(0).stdout;
+    assert!(output.contains("sheen: files for three hold one scattering model"), "{output}");
     assert!(!here.join("three/recipe-sheen.json").exists());
     let unlit = list.replace(r#""extensions": {"#, r#""extensions": {"KHR_materials_unlit": {}, "#);
     fs::write(here.join("fibres.json"), unlit).expect("a list");
@@ -183,9 +189,10 @@ fn a_table_to_ship_is_written_in_its_compact_form() {
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();
     fs::write(here.join("scene.json"), STEEL).expect("a list");
-    let told = run(here, ["--json", "plan", "scene.json", "--ship", "--bytes", "400", "--fit", "-o", "ltc"]).exited(0);
-    let told = json_of(told.stdout.as_bytes());
-    let rows = told["plan"]["tables"][0]["candidates"].as_array().expect("rows").clone();
+    let output =
+        run(here, ["--json", "plan", "scene.json", "--ship", "--bytes", "400", "--fit", "-o", "ltc"]).exited(0);
+    let output = json_of(output.stdout.as_bytes());
+    let rows = output["plan"]["tables"][0]["candidates"].as_array().expect("rows").clone();
     let chosen = rows.iter().find(|row| row["chosen"] == json!(true)).expect("a choice");
     let shipped = chosen["measured"]["shipped_bytes"].as_u64().expect("bytes");
     assert_eq!(fs::metadata(here.join("ltc/ltc.compact")).expect("a file").len(), shipped);

@@ -36,8 +36,8 @@ fn exports_come_from_a_service_with_the_pinned_bytes() {
     server.fit(SMALL);
     fs::remove_dir_all(project.join("assets/ltc")).expect("a folder");
     fs::write(project.join("assets/metal.safetensors"), "drifted").expect("a drifted file");
-    let told = run(&project, ["pull", "--from", NOBODY, "--from", &server.url]).exited(0);
-    assert!(told.stdout.starts_with("metal replaced: assets/metal.safetensors\nmetal downloaded: "), "{told:#?}");
+    let output = run(&project, ["pull", "--from", NOBODY, "--from", &server.url]).exited(0);
+    assert!(output.stdout.starts_with("metal replaced: assets/metal.safetensors\nmetal downloaded: "), "{output:#?}");
     assert_eq!(files_of(&project), before);
     assert_eq!(server.metric("ltcforge_exports_total"), 1);
 
@@ -61,8 +61,8 @@ fn exports_that_no_service_has_are_made() {
         NOBODY.to_owned(),
     ] {
         fs::remove_file(&texture).expect("a file");
-        let told = run(&project, ["pull", "--from", &url]).exited(0);
-        assert!(told.stdout.contains("metal made: assets/ltc/ltc_terms.ktx2\n"), "{told:#?}");
+        let output = run(&project, ["pull", "--from", &url]).exited(0);
+        assert!(output.stdout.contains("metal made: assets/ltc/ltc_terms.ktx2\n"), "{output:#?}");
         assert_eq!(files_of(&project), before);
     }
     // If a service or this program has another version, it makes other bytes than the pinned bytes, and reports it.
@@ -94,9 +94,9 @@ fn pull_restores_changed_files_and_locked_reports_them() {
             _ => fs::write(path, &bytes[..bytes.len() - 1]).expect("a file cut off"),
         }
         let drifted = files_of(&project);
-        let told = run(&project, ["pull", "--locked"]).exited(3);
+        let output = run(&project, ["pull", "--locked"]).exited(3);
         let said = path.strip_prefix(&project).expect("a path below").display().to_string();
-        assert!(told.complaints()[0].contains(&said), "{said}: {told:#?}");
+        assert!(output.complaints()[0].contains(&said), "{said}: {output:#?}");
         assert_eq!(files_of(&project), drifted, "--locked changes nothing");
         run(&project, ["pull", "--offline", "--from", "../tables"]).exited(0);
         assert_eq!(files_of(&project), before, "{}", path.display());
@@ -280,8 +280,8 @@ fn a_wrong_pin_leaves_the_files_of_previous_pins_unchanged() {
     assert_eq!(files_of(&project), before);
     assert!(!project.join("assets").exists(), "a folder is left");
     fs::write(project.join("ltcforge.lock"), right).expect("a lock file");
-    let told = run(&project, ["pull", "--offline", "--fit"]).exited(0);
-    assert!(told.stdout.contains("metal fitted: ") && told.stdout.contains("other fitted: "), "{told:#?}");
+    let output = run(&project, ["pull", "--offline", "--fit"]).exited(0);
+    assert!(output.stdout.contains("metal fitted: ") && output.stdout.contains("other fitted: "), "{output:#?}");
     run(&project, ["pull", "--locked"]).exited(0);
 }
 

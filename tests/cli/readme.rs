@@ -5,8 +5,8 @@ use std::{os::unix::fs::symlink, path::Path};
 use crate::common::{
     browser::starts,
     documents::{commands, shell},
+    report_skipped,
     server::Server,
-    tell_skipped,
 };
 
 /// Commands that do not run here, by their first words. They build the program, run all tests, or start the service,
@@ -32,7 +32,7 @@ const FILES: [&str; 8] = [
 fn the_commands_of_the_readme_run() {
     for program in ["curl", "jq"] {
         if !starts(program) {
-            return tell_skipped(&format!("there is no {program}"));
+            return report_skipped(&format!("there is no {program}"));
         }
     }
     let folder = tempfile::tempdir().expect("a folder");

@@ -42,8 +42,8 @@ fn a_glb_of_textures_coats_and_a_camera_is_fitted_and_measured() {
         document["scenes"][0]["nodes"].as_array_mut().expect("roots").push(json!(camera));
     });
     fs::write(here.join("scene.glb"), glb).expect("a file");
-    let told = run(here, ["--json", "plan", "scene.glb", "--bytes", "3000", "--fit", "-o", "ltc"]).exited(0);
-    let plan = &json_of(told.stdout.as_bytes())["plan"];
+    let output = run(here, ["--json", "plan", "scene.glb", "--bytes", "3000", "--fit", "-o", "ltc"]).exited(0);
+    let plan = &json_of(output.stdout.as_bytes())["plan"];
     assert_eq!(plan["scene"]["cameras"], 1);
     let materials = plan["scene"]["materials"].as_array().expect("materials");
     let lobes = materials.iter().flat_map(|of| of["lobes"].as_array().into_iter().flatten());
@@ -98,8 +98,8 @@ fn most_memory(here: &Path, args: &[&str]) -> u64 {
     let status = format!("/proc/{}/status", child.id());
     let mut most = 0;
     loop {
-        let told = fs::read_to_string(&status).unwrap_or_default();
-        let line = told.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        let output = fs::read_to_string(&status).unwrap_or_default();
+        let line = output.lines().find_map(|line| line.strip_prefix("VmHWM:"));
         let kilobytes = line.and_then(|line| line.split_whitespace().next()?.parse::<u64>().ok());
         most = most.max(kilobytes.unwrap_or(0));
         if let Some(status) = child.try_wait().expect("a child") {

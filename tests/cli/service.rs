@@ -35,8 +35,8 @@ fn jobs_are_submitted_and_managed_from_the_command_line() {
 
     // The served table equals the table that its recipe gives on this machine.
     let address = format!("{}/v1/tables/{digest}", server.url);
-    let told = run(folder.path(), ["verify", &address, "--refit"]).exited(0);
-    assert_eq!(told.stdout, format!("{address}: ok, {digest}, and fitting its recipe gives the same bytes\n"));
+    let output = run(folder.path(), ["verify", &address, "--refit"]).exited(0);
+    assert_eq!(output.stdout, format!("{address}: ok, {digest}, and fitting its recipe gives the same bytes\n"));
     let none = format!("{}/v1/tables/sha256:{}", server.url, "0".repeat(64));
     assert!(run(folder.path(), ["verify", &none]).exited(1).stderr.contains("404"));
     for wrong in ["/v1/tables/sha256:12", "/v1/tables", "/v1/jobs"] {

@@ -32,12 +32,12 @@ fn fit_writes_a_table_under_its_digest_with_any_number_of_threads() {
     assert_eq!(fs::read_dir(folder.path().join("one")).expect("the folder").count(), 2, "another file is left");
 
     let again = run_with_stdin(folder.path(), ["fit", "-", "-o", "two", "--threads", "2", "--json"], SMALL).exited(0);
-    let told: Value = serde_json::from_str(again.last_line()).expect("JSON");
-    assert_eq!(told["table"], digest.to_string());
-    assert!(told["seconds"].as_f64() >= told["fit_seconds"].as_f64() && told["fit_seconds"].is_f64(), "{told}");
+    let output: Value = serde_json::from_str(again.last_line()).expect("JSON");
+    assert_eq!(output["table"], digest.to_string());
+    assert!(output["seconds"].as_f64() >= output["fit_seconds"].as_f64() && output["fit_seconds"].is_f64(), "{output}");
     let report: Value = serde_json::from_slice::<Value>(&manifest).expect("JSON")["report"]["between"]["width"].take();
-    assert_eq!((&told["error"]["mean"], &told["error"]["p95"]), (&report["mean"], &report["p95"]));
-    assert!(text(&told["next"][0]).starts_with("ltcforge preview two/"), "{told}");
+    assert_eq!((&output["error"]["mean"], &output["error"]["p95"]), (&report["mean"], &report["p95"]));
+    assert!(text(&output["next"][0]).starts_with("ltcforge preview two/"), "{output}");
     assert_eq!(again.stderr, "", "with --json, nothing is printed on standard error");
     let other = fs::read(folder.path().join(format!("two/{}.manifest.json", digest.hex()))).expect("the manifest");
     assert_eq!(other, manifest);
@@ -106,8 +106,8 @@ fn lookup_prints_a_matrix_for_each_point() {
     assert_eq!(refused.complaints().len(), 1);
     assert!(refused.complaints()[0].contains("p.csv, line 2: alpha_y is «1.5»"), "{}", refused.stderr);
     let json = run_with_stdin(folder.path(), ["lookup", &file, "--points", "-", "--json"], "0.5,0.5,0,0").exited(0);
-    let told: Value = serde_json::from_str(json.last_line()).expect("JSON");
-    assert_eq!(told["matrix"].as_array().map(Vec::len), Some(9));
+    let output: Value = serde_json::from_str(json.last_line()).expect("JSON");
+    assert_eq!(output["matrix"].as_array().map(Vec::len), Some(9));
 
     let mut damaged = fs::read(folder.path().join(&file)).expect("the table");
     let last = damaged.len() - 1;
@@ -137,9 +137,9 @@ fn lookup_reports_points_outside_the_table() {
     let printed = look_up(points, &[]);
     assert_eq!(printed.stderr, expected);
     assert_eq!(printed.stdout.lines().count(), 6);
-    let told: Vec<Value> =
+    let output: Vec<Value> =
         look_up(points, &["--json"]).stdout.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
-    let clamped: Vec<String> = told.iter().map(|line| line["clamped"].to_string()).collect();
+    let clamped: Vec<String> = output.iter().map(|line| line["clamped"].to_string()).collect();
     assert_eq!(
         clamped,
         [r#"{"alpha":0.2}"#, r#"{"theta":1.0}"#, r#"{"ratio":1.0}"#, r#"{"alpha":0.2,"theta":1.0}"#, "{}"]
@@ -198,11 +198,11 @@ fn report_agrees_with_manifests_and_reads_npy_files() {
         let printed = run(folder.path(), ["report", "--json"].iter().chain(args)).exited(0);
         serde_json::from_str(printed.stdout.trim()).expect("one line of JSON")
     };
-    let told = json(&[&hex[..12], "--threads", "1"]);
+    let output = json(&[&hex[..12], "--threads", "1"]);
     let manifest = fs::read(folder.path().join(format!("{hex}.manifest.json"))).expect("the manifest");
     let manifest: Value = serde_json::from_slice(&manifest).expect("JSON");
-    assert_eq!((&told["report"], &told["digest"]), (&manifest["report"], &manifest["table"]));
-    assert_eq!(told["resolution"]["theta"], 2);
+    assert_eq!((&output["report"], &output["digest"]), (&manifest["report"], &manifest["table"]));
+    assert_eq!(output["resolution"]["theta"], 2);
     assert_eq!(json(&[&hex[..12], "--points", "11"])["report"]["between"]["points"], 11);
     let refused = run(folder.path(), ["report", hex, "--points", "7"]).exited(2);
     assert!(refused.stderr.contains("7 is not in 8..=1000000"), "{}", refused.stderr);

@@ -136,9 +136,9 @@ fn an_anisotropic_model_given_as_numbers_is_fitted_like_the_model() {
         assert!(mean < most && mean > 0.0, "{of}: {mean}");
     }
 
-    let told = json(&run(here, ["report", table, "--json"]).exited(0).stdout);
-    let asymmetry = &told["asymmetry"];
-    assert!(asymmetry["ratio"].is_number() && asymmetry["phi_o"].is_number(), "{told:#}");
+    let output = json(&run(here, ["report", table, "--json"]).exited(0).stdout);
+    let asymmetry = &output["asymmetry"];
+    assert!(asymmetry["ratio"].is_number() && asymmetry["phi_o"].is_number(), "{output:#}");
     let picture = ["preview", table, "-o", "strip.png", "--mode", "strip", "--size", "64", "--spp", "64"];
     let shown = run(here, picture.iter().chain(&["--alpha-x", "0.4", "--alpha-y", "0.8"])).exited(0);
     assert!(shown.stderr.contains("adapter: cpu"), "{shown:#?}");

@@ -79,8 +79,8 @@ fn models_are_measured(document: &Value, svg: &str, stdout: &str) {
     assert_eq!(rows.len(), names.len());
     for (row, name) in rows.iter().zip(names) {
         let kind = if row["layout"].is_null() { &row["rule"] } else { &row["layout"] };
-        let told = [row["model"].as_str().expect("a name"), kind.as_str().unwrap_or_default()].join(" ");
-        assert_eq!(told.trim_end(), name);
+        let output = [row["model"].as_str().expect("a name"), kind.as_str().unwrap_or_default()].join(" ");
+        assert_eq!(output.trim_end(), name);
         assert!(row["shader_bytes"].as_u64().expect("a number") > 1000, "{row}");
         assert_eq!(svg.matches(&format!(">{name}</text>")).count(), 2, "{name} must be in both charts of light");
         assert!(row["gpu_cost"]["instructions"].as_u64().expect("a number") > 200, "{row}");

@@ -7,14 +7,14 @@ use std::{
     process::{Command, Output},
 };
 
-use crate::common::{command::run, tell_skipped};
+use crate::common::{command::run, report_skipped};
 
 /// The result of a program from a Debian package on a file. `None` if it is not installed.
 fn checked(package: &str, program: &str, args: &[&str], folder: &Path) -> Option<Output> {
     match Command::new(program).args(args).current_dir(folder).output() {
         Ok(output) => Some(output),
         Err(error) if error.kind() == ErrorKind::NotFound => {
-            tell_skipped(&format!("there is no {program} (Debian: {package})"));
+            report_skipped(&format!("there is no {program} (Debian: {package})"));
             None
         }
         Err(error) => panic!("{program}: {error}"),
@@ -23,8 +23,8 @@ fn checked(package: &str, program: &str, args: &[&str], folder: &Path) -> Option
 
 #[track_caller]
 fn assert_sound(output: &Output) {
-    let told = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
-    assert!(output.status.success(), "{told:?}");
+    let texts = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
+    assert!(output.status.success(), "{texts:?}");
 }
 
 /// The kinds of shaders: with tables of each layout, and without a table.
@@ -112,8 +112,8 @@ fn layers_have_their_own_shader_text() {
         assert_sound(&output);
     }
     let words = ["shader", "--as", "layers", "--language", "wgsl", "--layout", "kt2022", "--prefix", "a"];
-    let told = run(here, words).exited(2).stderr;
-    assert!(told.contains("leave out --layout, --prefix"), "{told}");
+    let output = run(here, words).exited(2).stderr;
+    assert!(output.contains("leave out --layout, --prefix"), "{output}");
     run(here, ["shader", "--as", "layers", "--language", "spirv", "-o", "layers.spv"]).exited(2);
 }
 

@@ -9,9 +9,8 @@ use crate::{
     common::{
         LARGE, SMALL,
         command::{Run, ltcforge, run_with_stdin},
-        eventually,
+        eventually, report_skipped,
         server::{Server, text},
-        tell_skipped,
     },
     proxy::{Proxy, Upstream},
     throwaway,
@@ -151,7 +150,7 @@ fn workers_clocks_that_are_an_hour_off_have_no_effect() {
     let folder = tempfile::tempdir().expect("a folder");
     let Some(shared) = Shared::new(folder.path()) else { return };
     let Some(library) = faketime() else {
-        tell_skipped("faketime is not installed, which gives a process another clock");
+        report_skipped("faketime is not installed, which gives a process another clock");
         return;
     };
     let replica = shared.replica(&folder.path().join("replica"));
@@ -170,7 +169,7 @@ fn workers_clocks_that_are_an_hour_off_have_no_effect() {
 fn a_clock_before_1970_is_reported_and_damages_nothing() {
     let folder = tempfile::tempdir().expect("a folder");
     let Some(library) = faketime() else {
-        tell_skipped("faketime is not installed, which gives a process another clock");
+        report_skipped("faketime is not installed, which gives a process another clock");
         return;
     };
     let data = folder.path().join("data");

@@ -8,7 +8,7 @@ use std::{
 
 use crate::{
     Shared, Worker,
-    common::{LARGE, SMALL, command::run_with_stdin, eventually, server::text, tell_skipped},
+    common::{LARGE, SMALL, command::run_with_stdin, eventually, report_skipped, server::text},
     faults::entries_done,
     proxy::{Link, Proxy, Upstream},
     throwaway,
@@ -101,7 +101,7 @@ impl Lossy {
         if command.status().is_ok_and(|status| status.success()) {
             return Some(lossy);
         }
-        tell_skipped("there are no network namespaces here, which root makes with iproute2 and nftables");
+        report_skipped("there are no network namespaces here, which root makes with iproute2 and nftables");
         None
     }
 }

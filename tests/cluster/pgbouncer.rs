@@ -10,7 +10,7 @@ use std::{
 
 use crate::{
     Shared, Worker,
-    common::{command::run_with_stdin, eventually, seeded, server::text, tell_skipped},
+    common::{command::run_with_stdin, eventually, report_skipped, seeded, server::text},
     throwaway,
 };
 
@@ -73,14 +73,14 @@ impl Pooler {
 pub(crate) fn pgbouncer() -> Option<(PathBuf, (u32, u32))> {
     let named = env::var_os("LTCFORGE_TEST_PGBOUNCER").map(PathBuf::from);
     for program in named.map_or_else(|| vec!["pgbouncer".into(), "/usr/sbin/pgbouncer".into()], |named| vec![named]) {
-        let Ok(told) = Command::new(&program).arg("--version").output() else { continue };
-        let told = String::from_utf8_lossy(&told.stdout).into_owned();
-        let mut numbers = told.trim_start_matches("PgBouncer ").split(|c: char| !c.is_ascii_digit()).map(str::parse);
+        let Ok(output) = Command::new(&program).arg("--version").output() else { continue };
+        let output = String::from_utf8_lossy(&output.stdout).into_owned();
+        let mut numbers = output.trim_start_matches("PgBouncer ").split(|c: char| !c.is_ascii_digit()).map(str::parse);
         if let (Some(Ok(major)), Some(Ok(minor))) = (numbers.next(), numbers.next()) {
             return Some((program, (major, minor)));
         }
     }
-    tell_skipped("there is no pgbouncer here; `make cluster` installs it");
+    report_skipped("there is no pgbouncer here; `make cluster` installs it");
     None
 }
 
@@ -105,7 +105,7 @@ fn no_job_is_lost_through_pgbouncer() {
     if version >= WITH_PREPARED {
         modes.push(("transaction", documented()));
     } else {
-        tell_skipped(&format!(
+        report_skipped(&format!(
             "transaction mode: pgbouncer {}.{} keeps no prepared statements in it",
             version.0, version.1
         ));
@@ -150,8 +150,8 @@ fn no_job_is_lost_through_pgbouncer() {
                 "-d",
                 &name,
             ]);
-            let told = psql.args(["-c", "SHOW enable_seqscan; SHOW statement_timeout"]).output().expect("psql");
-            assert_eq!(String::from_utf8_lossy(&told.stdout), "off\n30s\n", "every connection has the settings");
+            let output = psql.args(["-c", "SHOW enable_seqscan; SHOW statement_timeout"]).output().expect("psql");
+            assert_eq!(String::from_utf8_lossy(&output.stdout), "off\n30s\n", "every connection has the settings");
         }
     }
 }

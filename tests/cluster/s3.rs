@@ -6,7 +6,7 @@ use std::{
     process::{Child, Command, Stdio},
 };
 
-use crate::common::{eventually, tell_skipped};
+use crate::common::{eventually, report_skipped};
 
 /// A running server with the bucket `tables`. It is killed when dropped.
 pub(crate) struct S3 {
@@ -18,7 +18,7 @@ impl S3 {
     /// Starts the server. Prints a message and returns `None` if moto is not installed.
     pub(crate) fn start() -> Option<Self> {
         let Some(python) = python() else {
-            tell_skipped("there is no Python with moto[server] here; `make cluster` installs it");
+            report_skipped("there is no Python with moto[server] here; `make cluster` installs it");
             return None;
         };
         // The port is free now, and it is unlikely that another process takes it.

@@ -9,7 +9,7 @@ use std::{
 
 use serde::de::DeserializeOwned;
 
-use super::tell_skipped;
+use super::report_skipped;
 
 /// Whether a program can be started.
 pub(crate) fn starts(program: &str) -> bool {
@@ -22,7 +22,7 @@ pub(crate) fn starts(program: &str) -> bool {
 pub(crate) fn script<T: DeserializeOwned>(folder: &Path, file: &str, args: &[&str]) -> Option<T> {
     let chromium = env::var("CHROMIUM").unwrap_or_else(|_| "chromium-headless-shell".to_owned());
     if !starts(&chromium) {
-        tell_skipped(&format!("{chromium} is missing (Debian: chromium-headless-shell)"));
+        report_skipped(&format!("{chromium} is missing (Debian: chromium-headless-shell)"));
         return None;
     }
     // playwright-core needs an absolute path.
@@ -33,11 +33,11 @@ pub(crate) fn script<T: DeserializeOwned>(folder: &Path, file: &str, args: &[&st
 /// The JSON output of a script in `folder` that needs no browser. `None` if it cannot run.
 pub(crate) fn node<T: DeserializeOwned>(folder: &Path, file: &str, args: &[&str]) -> Option<T> {
     if !starts("node") {
-        tell_skipped("node is missing (Debian: nodejs)");
+        report_skipped("node is missing (Debian: nodejs)");
         return None;
     }
     if !folder.join("node_modules/.package-lock.json").exists() {
-        tell_skipped(&format!("packages are missing (run npm ci in {})", folder.display()));
+        report_skipped(&format!("packages are missing (run npm ci in {})", folder.display()));
         return None;
     }
     let mut command = Command::new("node");

@@ -36,7 +36,7 @@ pub(crate) const DEADLINE: Duration = Duration::from_secs(400);
 
 /// Reports that the current test skips something, with the reason. It writes directly to standard error, because the
 /// harness would capture a print.
-pub(crate) fn tell_skipped(reason: &str) {
+pub(crate) fn report_skipped(reason: &str) {
     let name = std::thread::current().name().unwrap_or_default().to_owned();
     // A failed print should not fail the test.
     let _ = stderr().write_all(format!("\n*** SKIPPED: {name}: {reason}\n\n").as_bytes());

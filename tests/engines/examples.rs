@@ -118,7 +118,7 @@ fn example(engine: &str) -> PathBuf {
 /// without npm.
 pub(crate) fn packed(engine: &str, folder: &Path, more: &[&str]) -> Option<PathBuf> {
     if !starts("npm") {
-        tell_skipped("npm is missing (Debian: npm)");
+        report_skipped("npm is missing (Debian: npm)");
         return None;
     }
     let pack = |more: &[&str]| {

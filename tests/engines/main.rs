@@ -28,7 +28,7 @@ use serde::{Deserialize, de::DeserializeOwned};
 use crate::common::{
     browser::{self, starts},
     command::run,
-    tell_skipped,
+    report_skipped,
 };
 
 /// The folder of this file.

@@ -173,7 +173,7 @@ const WEBGPU_ERRORS: [(&str, f64); 5] =
 fn the_example_lights_webgpu_renderer() {
     let Some(backends) = script::<BTreeMap<String, Backend>>("webgpu.js", &[]) else { return };
     if !backends.contains_key("WebGPUBackend") {
-        tell_skipped("the browser has no WebGPU; WebGPURenderer is only tested by WebGL 2");
+        report_skipped("the browser has no WebGPU; WebGPURenderer is only tested by WebGL 2");
     }
     assert!(backends.contains_key("WebGLBackend"));
     for (backend, Backend { errors, refusal, faults }) in backends {

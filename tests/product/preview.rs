@@ -10,9 +10,8 @@ use std::{
 use crate::common::{
     SMALL,
     command::{Run, ltcforge, run, run_with_stdin},
-    eventually,
+    eventually, report_skipped,
     server::{Answer, Server, text},
-    tell_skipped,
 };
 use serde_json::Value;
 
@@ -261,11 +260,11 @@ fn the_command_keeps_vulkan_quiet_without_a_runtime_folder() {
         let mut command = ltcforge(folder.path(), arguments);
         command.env_remove("NODEVICE_SELECT").env_remove("XDG_RUNTIME_DIR");
         command.envs(runtime_folder.map(|folder| ("XDG_RUNTIME_DIR", folder)));
-        let told = Run::from(command.output().expect("the binary runs")).exited(0);
-        assert!(told.stderr.contains("adapter: "), "{told:#?}");
-        assert!(!told.stderr.contains("XDG_RUNTIME_DIR"), "{told:#?}");
-        if told.stderr.contains("adapter: cpu") {
-            return tell_skipped("there is no Vulkan driver (Debian: mesa-vulkan-drivers) that could complain");
+        let output = Run::from(command.output().expect("the binary runs")).exited(0);
+        assert!(output.stderr.contains("adapter: "), "{output:#?}");
+        assert!(!output.stderr.contains("XDG_RUNTIME_DIR"), "{output:#?}");
+        if output.stderr.contains("adapter: cpu") {
+            return report_skipped("there is no Vulkan driver (Debian: mesa-vulkan-drivers) that could complain");
         }
     }
 }
@@ -276,21 +275,21 @@ fn materials_outside_the_table_are_reported_and_marked() {
     let folder = tempfile::tempdir().expect("a folder");
     let narrow = SMALL.replacen('{', r#"{"range":{"alpha":[0.2,0.5],"ratio":[0.3,1]},"#, 1);
     let fitted = run_with_stdin(folder.path(), ["fit", "-"], &narrow).exited(0);
-    let told = |rest: &[&str]| {
+    let output = |rest: &[&str]| {
         let arguments = ["preview", &fitted.last_line()[..16], "-o", "p.png", "--size", "256", "--adapter", "cpu"];
-        let told = run(folder.path(), arguments.iter().chain(rest)).exited(0);
-        (told, fs::read(folder.path().join("p.png")).expect("a picture"))
+        let output = run(folder.path(), arguments.iter().chain(rest)).exited(0);
+        (output, fs::read(folder.path().join("p.png")).expect("a picture"))
     };
-    let (inside, plain) = told(&["--alpha-x", "0.2", "--alpha-y", "0.4"]);
+    let (inside, plain) = output(&["--alpha-x", "0.2", "--alpha-y", "0.4"]);
     assert!(!inside.stderr.contains("outside"), "{inside:#?}");
     // The nearest entry is at alpha 0.5, ratio 1. Only the label differs.
-    let (at_the_end, unmarked) = told(&["--alpha-x", "0.5", "--alpha-y", "0.5"]);
+    let (at_the_end, unmarked) = output(&["--alpha-x", "0.5", "--alpha-y", "0.5"]);
     assert!(!at_the_end.stderr.contains("outside"), "{at_the_end:#?}");
-    let (beyond, marked) = told(&["--alpha-x", "0.9", "--alpha-y", "0.9"]);
+    let (beyond, marked) = output(&["--alpha-x", "0.9", "--alpha-y", "0.9"]);
     let line = "alpha 0.9 0.9 lies outside the table, which covers alpha 0.2 to 0.5 and ratio 0.3 to 1";
     assert!(beyond.stderr.contains(line), "{beyond:#?}");
     assert!(marked != unmarked && unmarked != plain);
-    let (json, _) = told(&["--scene", "figure14", "--json"]);
+    let (json, _) = output(&["--scene", "figure14", "--json"]);
     let json: Value = serde_json::from_str(&json.stdout).expect("JSON");
     let outside: Vec<&Value> = json["outside"].as_array().expect("a list").iter().map(|m| &m["alpha_y"]).collect();
     assert_eq!(outside, [&Value::from(0.25), &0.02.into(), &1.0.into()]);
@@ -306,7 +305,7 @@ fn the_service_renders_with_the_available_adapter() {
     let first = server.get(&path).with_status(200);
     let adapter = first.header("preview-adapter").expect("a name").to_owned();
     if adapter == "cpu" {
-        tell_skipped("there is no Vulkan driver (Debian: mesa-vulkan-drivers), so the CPU rendered");
+        report_skipped("there is no Vulkan driver (Debian: mesa-vulkan-drivers), so the CPU rendered");
     }
     let known = tag(&first);
     let known = [("if-none-match", known.as_str())];

@@ -62,14 +62,14 @@ fn an_uploaded_file_is_fitted_and_survives_a_kill() {
     // The table can be refitted on a machine that has neither file.
     let elsewhere = tempfile::tempdir().expect("a folder");
     let address = format!("{}/v1/tables/{table}", server.url);
-    let told = run(elsewhere.path(), ["verify", &address, "--refit"]).exited(0);
-    assert!(told.stdout.contains("and fitting its recipe gives the same bytes"), "{told:#?}");
+    let output = run(elsewhere.path(), ["verify", &address, "--refit"]).exited(0);
+    assert!(output.stdout.contains("and fitting its recipe gives the same bytes"), "{output:#?}");
     // A table is not a BRDF, and a BRDF is not a table.
     server.get(&format!("/v1/brdfs/{table}")).with_status(404);
     for of_table in ["", "/manifest", "/exports", "/exports/three", "/plots/matrix.png"] {
         let path = format!("/v1/tables/{digest}{of_table}");
-        let told = server.get(&path).with_status(404).json();
-        assert_eq!(text(&told["type"]), "/problems/unknown-table", "{path}");
+        let output = server.get(&path).with_status(404).json();
+        assert_eq!(text(&output["type"]), "/problems/unknown-table", "{path}");
     }
     server.request("HEAD", &format!("/v1/tables/{digest}"), &[], None).with_status(404);
     server.get(&format!("/v1/preview?table={digest}")).with_status(404);
@@ -100,12 +100,12 @@ fn a_bad_file_is_refused_with_all_its_faults() {
     let header = br#"{"phi":{"dtype":"F32","shape":[1],"data_offsets":[0,4]},"value":{"dtype":"I32","shape":[1],"data_offsets":[4,8]}}"#;
     let bytes = [&(header.len() as u64).to_le_bytes(), &header[..], &[0; 8]].concat();
     let refused = server.request("POST", "/v1/brdfs", &[OCTETS], Some(&bytes)).with_status(422).json();
-    let told: Vec<&str> =
+    let output: Vec<&str> =
         refused["errors"].as_array().expect("faults").iter().map(|error| text(&error["detail"])).collect();
     for said in
         ["tensor «theta_o»: missing", "tensor «theta_i»: missing", "tensor «value»: type I32", "tensor «phi»: 1 nodes"]
     {
-        assert!(told.iter().any(|told| told.starts_with(said)), "{said}: {told:?}");
+        assert!(output.iter().any(|output| output.starts_with(said)), "{said}: {output:?}");
     }
     server.request("POST", "/v1/brdfs", &[("content-type", "application/json")], Some(&bytes)).with_status(415);
     server.get(&format!("/v1/brdfs/{}", "0".repeat(64))).with_status(404);
@@ -208,12 +208,12 @@ fn long_input_is_not_repeated_in_responses() {
         (format!("/v1/preview?table={long}"), 422),
     ];
     for (path, status) in gets {
-        let told = server.get(&path).with_status(status).json().to_string();
-        assert!(told.matches('x').count() < 450, "{}: {told}", &path[..40]);
+        let output = server.get(&path).with_status(status).json().to_string();
+        assert!(output.matches('x').count() < 450, "{}: {output}", &path[..40]);
     }
     for field in ["host", "origin", "content-type"] {
-        let told = server.request("POST", "/v1/jobs", &[(field, &long)], Some(b"{}")).json().to_string();
-        assert!(told.matches('x').count() < 450, "{field}: {told}");
+        let output = server.request("POST", "/v1/jobs", &[(field, &long)], Some(b"{}")).json().to_string();
+        assert!(output.matches('x').count() < 450, "{field}: {output}");
     }
     assert!(server.submit(&format!(r#"{{"{long}": "{long}"}}"#)).with_status(422).body.len() < 1000);
 }

@@ -79,7 +79,9 @@ fn a_table_whose_blob_is_missing_has_no_manifest() {
     fs::remove_file(blob).expect("the blob");
     let server = Server::start(folder.path(), &[]);
     for path in [format!("/v1/tables/{digest}/manifest"), format!("/v1/tables/{digest}")] {
-        assert_eq!(server.get(&path).with_status(404).json()["type"], "/problems/removed-table");
+        let problem = server.get(&path).with_status(404).json();
+        assert_eq!(problem["type"], "/problems/removed-table");
+        assert_eq!(problem["recipe"]["brdf"], "ggx", "{problem}");
     }
 }
 

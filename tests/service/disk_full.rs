@@ -8,9 +8,8 @@ use std::{
 };
 
 use crate::common::{
-    ENDLESS,
+    ENDLESS, report_skipped,
     server::{Server, text},
-    tell_skipped,
 };
 
 /// A separate file system. It is unmounted when dropped.
@@ -51,7 +50,7 @@ fn recipe(seed: u32) -> String {
 fn on_a_full_disk_jobs_wait_and_tables_are_served_until_there_is_space() {
     let folder = tempfile::tempdir().expect("a folder");
     let Some(disk) = SmallDisk::mount(&folder.path().join("disk")) else {
-        return tell_skipped("no right to mount a tmpfs");
+        return report_skipped("no right to mount a tmpfs");
     };
     let data = disk.0.join("data");
     let server = Server::start(&data, &["--workers", "1"]);

@@ -33,7 +33,7 @@ fn every_documented_call_is_answered_by_its_own_handler() {
         // The values are well-formed, but nothing with these values exists.
         let path = path.replace("{id}", &"0".repeat(32)).replace("{digest}", &"0".repeat(64));
         let path = path.replace("/page/{folder}/{file}", "/page/pages/new.js").replace("{export}", "wgpu");
-        let path = path.replace("{folder}", "a").replace("{file}", "icon.svg").replace("{name}", "film");
+        let path = path.replace("{folder}", "a").replace("{file}", "icon.svg");
         let answer = server.request(method, &path, &[], (method == "POST").then_some(b"[]"));
         assert_ne!(answer.status, 405, "{call}");
         let problem: Value = serde_json::from_slice(&answer.body).unwrap_or_default();
@@ -100,6 +100,24 @@ fn every_example_is_valid_under_its_schema() {
         }
     });
     assert!(checked > 15, "{checked} examples were found");
+}
+
+/// An example of a parameter counts too.
+#[test]
+fn every_call_has_a_short_summary_and_an_example() {
+    for (path, item) in DOCUMENT["paths"].as_object().expect("paths") {
+        for (method, call) in METHODS.into_iter().filter_map(|method| Some((method, item.get(method)?))) {
+            let words = call["summary"].as_str().expect("a summary").split_whitespace().count();
+            assert!((2..=10).contains(&words), "{method} {path}: {words} words");
+            let mut examples = 0;
+            let mut count = |_: &str, object: &'static Value| {
+                examples += usize::from(resolve(object).get("example").is_some());
+            };
+            visit("", call, &mut count);
+            visit("", &item["parameters"], &mut count);
+            assert!(examples > 0, "{method} {path} has no example");
+        }
+    }
 }
 
 #[test]

@@ -15,9 +15,8 @@ use ureq::{
 
 use super::clients::host;
 use crate::common::{
-    DEADLINE, ENDLESS, SMALL, eventually,
+    DEADLINE, ENDLESS, SMALL, eventually, report_skipped,
     server::{Server, text},
-    tell_skipped,
 };
 
 /// The main configuration. It includes the example, and uses a single process.
@@ -38,7 +37,7 @@ impl Drop for Nginx {
 #[test]
 fn nginx_forwards_requests_and_events_and_disconnects_slow_clients() {
     if Command::new("nginx").arg("-v").output().is_err() {
-        tell_skipped("there is no nginx here");
+        report_skipped("there is no nginx here");
         return;
     }
     let folder = tempfile::tempdir().expect("a folder");

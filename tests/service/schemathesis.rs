@@ -8,7 +8,7 @@ use std::{
 };
 
 use super::brdfs::OCTETS;
-use crate::common::{SMALL, command::run, server::Server, soak::rounds, tell_skipped};
+use crate::common::{SMALL, command::run, report_skipped, server::Server, soak::rounds};
 
 /// Number of examples in a short run. A short run omits sequences of calls and the bounds of ranges, which take
 /// minutes.
@@ -24,7 +24,7 @@ fn programs() -> PathBuf {
 fn the_service_agrees_with_openapi() {
     let schemathesis = programs().join("schemathesis");
     if !schemathesis.exists() {
-        tell_skipped("there is no schemathesis of PyPI here; `make schemathesis` installs it");
+        report_skipped("there is no schemathesis of PyPI here; `make schemathesis` installs it");
         return;
     }
     let folder = tempfile::tempdir().expect("a folder");

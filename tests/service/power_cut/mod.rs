@@ -14,9 +14,9 @@ use super::brdfs::OCTETS;
 use crate::common::{
     ENDLESS,
     command::run,
+    report_skipped,
     server::{Server, text},
     soak::{Random, four_shards, rounds},
-    tell_skipped,
 };
 use disk::End;
 use trace::{Change, Trace};
@@ -98,7 +98,7 @@ fn recorded() -> Option<&'static Recorded> {
         })
     });
     if RECORDED.is_none() {
-        tell_skipped("there is no strace here, or it may not trace");
+        report_skipped("there is no strace here, or it may not trace");
     }
     RECORDED.as_ref()
 }
