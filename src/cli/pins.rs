@@ -56,7 +56,7 @@ impl<'a> Fitting<'a> {
     /// Measures a table, for exports.
     ///
     /// # Errors
-    /// When no threads can be started.
+    /// When the file of the table's tabulated BRDF is missing, or no threads can be started.
     pub(super) fn measure(&self, mut file: TableFile, digest: Digest) -> Result<Measured, CommandFailure> {
         // The file of a tabulated BRDF is in one of the table folders.
         let name = PathBuf::from(format!("{}.safetensors", digest.hex()));

@@ -184,7 +184,7 @@ fn engine_layout(engine: Engine) -> Option<Layout> {
     textures.map(|textures| textures.sampling().table)
 }
 
-/// Fits the table of a plan and measures it. If the prediction was far off, corrects the plan once.
+/// Fits the table of a plan and measures it. If this changes the choice, does the same for the new choice.
 fn fitted(plan: &mut TablePlan<'_>, draws_progress: bool, interrupt: &Interrupt) -> Result<Table, CommandFailure> {
     let timed = |recipe: &Recipe| {
         let started = processor_seconds();

@@ -176,8 +176,8 @@ fn made(args: &ShaderArgs, lit_by: Option<LitBy>) -> Result<(Vec<u8>, Value), Co
     Ok((text.into_bytes(), json!({ "language": language.name() })))
 }
 
-/// The shader for one table: with its nodes, or as polynomials. A comment in the shader states the error of the
-/// polynomials and of the table.
+/// The shader for one table: with its nodes, or as polynomials. A shader with polynomials has a comment that states
+/// their error and the error of the table.
 fn of_table(args: &ShaderArgs) -> Result<(Vec<u8>, Value), CommandFailure> {
     let language = args.language;
     let name = args.nodes.as_ref().or(args.without_textures.as_ref()).map_or(Path::new(""), PathBuf::as_path);

@@ -18,8 +18,8 @@ use ltcforge_files::{compact, recipe_document::DEFAULT_ENTRY_LIMIT};
 use ltcforge_fit::{BrdfKind, Plan, Recipe, Table, report};
 use ltcforge_light::{LightModel, Lighting, RandomLights};
 use ltcforge_view::tradeoff::{
-    FittedRecipe, Measurement, POINTS, Size, csv, family, fitted_gaussians, json as rows_json, off_by, picture, rows,
-    stands_for_ltc,
+    FittedRecipe, Measurement, POINTS, Size, csv, family, fitted_gaussians, json as rows_json, off_by, picture,
+    represents_ltc, rows,
 };
 
 /// `tradeoff`.
@@ -77,7 +77,7 @@ pub(super) fn run(args: &TradeoffArgs, context: &mut Context<'_>) -> Result<Exit
     let mut tables = Vec::new();
     for recipe in recipes {
         let (measured, table) = pool.install(|| measure(&recipe, &lights, &bar, &interrupt))?;
-        if stands_for_ltc(&base, &recipe) {
+        if represents_ltc(&base, &recipe) {
             let fit_seconds = measured.processor_seconds / threads as f64;
             tables.push(tradeoff_models::FittedTable { recipe: recipe.clone(), table, fit_seconds });
         }

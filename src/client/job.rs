@@ -29,7 +29,7 @@ pub struct JobStatus {
     pub state: StateName,
     /// The progress of the job.
     pub progress: JobProgress,
-    /// The highest attempt number among its shards.
+    /// The number of leases of the task that was leased most often.
     pub attempts: u32,
     /// The table of a job that is done.
     pub table: Option<Digest>,

@@ -28,7 +28,7 @@ use ltcforge_files::{
 
 /// Time limit for opening a connection.
 const CONNECT: Duration = Duration::from_secs(10);
-/// Time limit for the head of a response, and for each pause within a response.
+/// Time limit for the head of a response, and for each pause within a request or a response.
 const STALL: Duration = Duration::from_secs(45);
 /// Time limit for a whole document.
 const DOCUMENT_TIME: Duration = Duration::from_secs(120);
@@ -143,7 +143,7 @@ impl Client {
     /// # Errors
     /// See [`ClientError`].
     pub fn jobs(&self, state: Option<StateName>, limit: usize) -> Result<Vec<JobDocument>, ClientError> {
-        /// Jobs on a page. The size of a page of the largest jobs is far below [`DOCUMENT_BYTES`].
+        /// Jobs on a page. A page of jobs whose recipes list few nodes is far below [`DOCUMENT_BYTES`].
         const PAGE: usize = 200;
         let url = self.url("/v1/jobs");
         let mut jobs = Vec::new();

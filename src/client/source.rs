@@ -82,7 +82,7 @@ impl Source {
     /// The service at `url`.
     ///
     /// # Errors
-    /// [`ClientError::BadUrl`] when `url` is not an http or https URL.
+    /// [`ClientError::BadUrl`] when `url` is not an http or https URL, or has a user.
     pub fn server(url: &str) -> Result<Self, ClientError> {
         parse_base(url.trim_end_matches('/'))?;
         Ok(Self::Server(url.to_owned()))

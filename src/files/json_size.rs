@@ -16,7 +16,7 @@ pub struct JsonLimits {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{field}: more than {most} {kind}")]
 pub struct TooMany {
-    /// The field in which the limit was passed.
+    /// The field in which the limit was exceeded.
     pub field: String,
     /// The kind of items.
     pub kind: &'static str,

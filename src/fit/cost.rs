@@ -9,8 +9,8 @@ use super::{
 };
 
 /// Seconds for each sample of an entry, in addition to the solver's time. The lobe is sampled twice, each time with two
-/// samples for each sample of the LTC. All constants here and in `solver` are seconds of one thread, measured on one
-/// machine. On other machines only the ratios of the constants are valid.
+/// samples for each sample of the LTC. All times here and in `solver` are seconds of one thread, measured on one
+/// machine. On other machines only the ratios of the times are valid.
 const SAMPLING_SECONDS: f64 = 0.31e-6;
 /// The fraction of a step's time that the scattering model takes, for solvers that evaluate the model in each step.
 const STEP_SAMPLING: f64 = 0.25;

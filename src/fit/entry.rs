@@ -87,7 +87,7 @@ impl Fitter {
     /// A fitter of the default lobe model with these settings.
     #[must_use]
     pub fn new(settings: &FitSettings) -> Self {
-        // The seed shifts both sequences by multiples of irrational numbers, which never coincide.
+        // The seed shifts both sequences by multiples of irrational numbers, so no two seeds have the same shift.
         let turn = |base: f64, step: f64| {
             let turned = base + settings.seed as f64 * step;
             turned - turned.floor()

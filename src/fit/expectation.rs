@@ -33,13 +33,14 @@ const EXACT_ALPHA: [f64; 2] = [0.2, 0.45];
 
 /// Predicts the time, error and size of a recipe's table.
 ///
-/// `error = limit + sum over axes of c h^2 + 2.56 samples^-1.3 + 0.04 directions^-2`. `h` is the step between nodes in
-/// the spacing of the layout, relative to the whole domain. The solver's steps and the precision have no effect. The
-/// errors after ten and after sixty steps of `bfgs` differ by less than 1 %, and tables in f16 are as accurate as
-/// tables in f32. The formula is calibrated with LTCs of GGX over the whole domain, fitted by `bfgs`. For a part of the
-/// domain the limit differs. For other scattering models and lobe models, the error is multiplied by a constant factor.
-/// Lobes that are LTCs are not fitted: their error is the error of interpolation plus 0.0039 from the report's own
-/// samples (measured on tables of `fuzz` with 6 to 48 nodes per axis). The prediction does not depend on `fresnel`.
+/// `error = limit + sum over axes of c h^2 + 2.56 samples^-1.3 + 0.04 directions^-2`. The layout determines `limit` and
+/// `c`. `h` is the step between nodes in the spacing of the layout, relative to the whole domain. The solver's steps
+/// and the precision have no effect. The errors after ten and after sixty steps of `bfgs` differ by less than 1 %, and
+/// tables in f16 are as accurate as tables in f32. The formula is calibrated with LTCs of GGX over the whole domain,
+/// fitted by `bfgs`. For a part of the domain the limit differs. For other scattering models and lobe models, the error
+/// is multiplied by a constant factor. Lobes that are LTCs are not fitted: their error is the error of interpolation
+/// plus 0.0039 from the report's own samples (measured on tables of `fuzz` with 6 to 48 nodes per axis). The prediction
+/// does not depend on `fresnel`.
 #[must_use]
 pub fn expectation(recipe: &Recipe) -> Expectation {
     let Interpolation { limit, step: c } = recipe.layout.rules().interpolation();

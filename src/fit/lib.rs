@@ -1,8 +1,8 @@
 //! The fitting core: from a recipe to a table.
 //!
-//! A [`Layout`] maps a configuration to an entry of the table. `metric` samples its lobe. `solver` finds the matrix
-//! whose LTC is nearest to the lobe. The layout selects the stored numbers. [`Table`] looks them up. `measure` measures
-//! the table and shares no code with the metric.
+//! A [`Layout`] maps a configuration to an entry of the table. `metric` samples the configuration's lobe. `solver`
+//! finds the matrix whose LTC is nearest to the lobe. The layout selects the stored numbers. [`Table`] looks them up.
+//! `measure` measures the table and shares no code with the metric.
 //!
 //! Invariant: `fit` uses no clock, file, environment variable, JSON value or thread count. Equal recipes give equal
 //! bytes.

@@ -96,8 +96,8 @@ impl RecipeBuilder {
         self.brdf(BrdfKind::Tabulated).set("tabulated", file.into())
     }
 
-    /// The materials whose lobe is fitted: reflectances at normal incidence, and weights. The default is a perfect
-    /// metal.
+    /// The materials whose lobe is fitted: reflectances at normal incidence, and weights. The default is a Fresnel
+    /// factor of one.
     pub fn materials(self, materials: &[WeightedF0]) -> Self {
         self.set("fresnel", json!(materials))
     }

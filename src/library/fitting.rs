@@ -92,7 +92,7 @@ mod tests {
         assert_eq!(most.into_inner(), recipe.entries());
     }
 
-    /// Any thread may fit any row, and a search starts from the result of another search.
+    /// Any thread can fit any row. Within a row, each search starts from the result of the previous search.
     #[test]
     fn warm_starts_give_the_same_table_on_any_number_of_threads() {
         let builder = Recipe::builder().layout(Layout::Godot).resolution("alpha", 6).resolution("theta", 7);

@@ -5,7 +5,7 @@ use ltcforge_fit::{Configuration, Table};
 use ltcforge_light::{AreaLight, NormalsRule, ReflectedLight, TableUse, by_normals, by_table, by_table_as};
 
 /// The reflection of a light of radiance one, in closed form and without a table. See [`mod@ltcforge_light`] for other
-/// rules and the truth by quadrature. The light is a [`PolygonLight`](ltcforge_light::PolygonLight) or a
+/// rules and the reference by quadrature. The light is a [`PolygonLight`](ltcforge_light::PolygonLight) or a
 /// [`ShapedLight`](ltcforge_light::ShapedLight).
 ///
 /// # Errors

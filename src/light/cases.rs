@@ -45,9 +45,9 @@ impl Lit {
         direction(self.at.theta, self.at.phi)
     }
 
-    /// All descriptions of the same scene: unchanged, and mirrored in x, in y, in both and in the diagonal, each with
+    /// Equivalent descriptions of the scene: unchanged, and mirrored in x, in y, in both and in the diagonal, each with
     /// vertices that start at every corner, in both orders.
-    pub fn tellings(&self) -> impl Iterator<Item = Self> + '_ {
+    pub fn variants(&self) -> impl Iterator<Item = Self> + '_ {
         let mirrored = MIRRORS.iter().map(|(phi, is_swapped, mirror)| {
             let Configuration { alpha_x, alpha_y, theta, phi: own } = self.at;
             let [alpha_x, alpha_y] = if *is_swapped { [alpha_y, alpha_x] } else { [alpha_x, alpha_y] };

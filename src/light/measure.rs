@@ -20,8 +20,8 @@ const LEAST_DRAWN_ALPHA: f64 = 0.01;
 const LEAST_DRAWN_ACROSS: f64 = 0.005;
 /// The largest angle of a view from the normal: 88 degrees.
 const STEEPEST: f64 = 88.0 / 360.0 * TAU;
-/// Half of the size of a light at distance one. One side is then stretched by up to e, and the other side shrunk by the
-/// same factor.
+/// The range of the geometric mean of a light's two half widths, at distance one. The ratio of one half width to this
+/// mean is between 1/e and e.
 const HALF_WIDTH: [f64; 2] = [0.05, 1.2];
 /// The tolerance of the reference: a thirtieth of the mean error of the best model.
 const TOLERANCE: f64 = 1e-5;
@@ -53,8 +53,9 @@ impl RandomLights {
     ///
     /// The square root of alpha, the ratio and the angles are uniformly distributed. Alpha is at least 0.01 and theta
     /// at most 88 degrees. A light is at distance one, around a direction drawn by the model's sampler (for GGX the
-    /// reflection of a visible normal). It is turned and tilted at random, and its half width is 0.05 to 1.2. Domain:
-    /// at least one light. Runs on the current rayon pool. Its size does not change the result.
+    /// reflection of a visible normal). It is turned and tilted at random. The geometric mean of its half widths is
+    /// 0.05 to 1.2. Domain: at least one light. Runs on the current rayon pool. The size of the pool does not change
+    /// the result.
     ///
     /// # Errors
     /// [`LightError::Domain`] for invalid ranges, [`LightError::NoBrdfFile`] for a tabulated model without its values.

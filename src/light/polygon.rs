@@ -198,7 +198,7 @@ mod tests {
                 let corners = regular(count, 1).into_iter().map(|v| v - DVec3::new(0.3, 0.0, 2.0));
                 corners.map(|v| turned * (v + centre) * scale).collect()
             };
-            let tellings = |vertices: Vec<DVec3>| {
+            let variants = |vertices: Vec<DVec3>| {
                 let as_f32 = vertices.iter().map(|v| v.as_vec3().as_dvec3()).collect();
                 let digits = |v: &DVec3| DVec3::from(v.to_array().map(|x| (x / scale * 1e6).round() / 1e6));
                 let written = vertices.iter().map(digits).collect();
@@ -208,7 +208,7 @@ mod tests {
             };
             // A triangle of this size reaches 0.5 from its centre.
             for within in [DVec3::ZERO, DVec3::new(0.3, 0.1, 0.0), DVec3::new(-0.1, -0.4, 0.0)] {
-                for vertices in tellings(at(within)) {
+                for vertices in variants(at(within)) {
                     for sides in [Sides::One, Sides::Two] {
                         let light = PolygonLight::new(vertices.clone(), sides);
                         assert_eq!(light, Err(LightError::Inside), "{count} {k} {within}");
@@ -222,7 +222,7 @@ mod tests {
                 DVec3::new(0.1, 0.2, 1e-4),
                 DVec3::new(0.0, 0.0, -0.5),
             ] {
-                for vertices in tellings(at(without)) {
+                for vertices in variants(at(without)) {
                     let light = PolygonLight::new(vertices, Sides::Two);
                     assert_ne!(light, Err(LightError::Inside), "{count} {k} {without}");
                 }

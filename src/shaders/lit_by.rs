@@ -193,7 +193,7 @@ pub enum Filter {
     #[default]
     Exact,
     /// The sampler interpolates along phi and theta, and along alpha in volumes: 2 fetches per texture, or 4 in an
-    /// array. Many GPUs have 8-bit weights, which are visible on sharp lobes. The textures must be filterable.
+    /// array. Many GPUs have 8-bit weights, whose steps are visible on sharp lobes. The textures must be filterable.
     Hardware,
 }
 

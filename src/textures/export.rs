@@ -108,7 +108,7 @@ impl Export {
     /// The name of the layout of the files, if the table supports it. Sizes are not checked.
     ///
     /// # Errors
-    /// The table does not have this layout, and the error names a recipe whose table has it. Or a matrix has no inverse.
+    /// The table does not have this layout, or a matrix has no inverse. [`ExportError::recipe`] may suggest a recipe.
     pub fn layout(self, table: &Table) -> Result<&'static str, ExportError> {
         check_inverses(table)?;
         match self {

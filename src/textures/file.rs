@@ -17,8 +17,9 @@ pub struct TextureFile {
 }
 
 impl TextureFile {
-    /// Whether the given bytes look like another version of this file. They do if both are text, if both start with the
-    /// same bytes, or, for a format without a magic number, if both have the same length.
+    /// Whether the given bytes look like another version of this file. For a JSON file they must be JSON, and for other
+    /// text they must be text. For a format without a magic number, they must have the same length as the file. For
+    /// other formats, they must start with the same bytes.
     #[must_use]
     pub fn resembles(&self, bytes: &[u8]) -> bool {
         let is_json = |bytes: &[u8]| serde_json::from_slice::<serde::de::IgnoredAny>(bytes).is_ok();

@@ -42,7 +42,7 @@ const SEARCHED: [usize; 2] = [4, 8];
 const MEASURED: [usize; 2] = [8, 16];
 /// The largest number of values for which the search tries all combinations.
 const MOST_TOGETHER: usize = 5;
-/// The displacement of a matrix if no combination has a lobe.
+/// The displacement of a matrix without a lobe, and of a matrix for which no combination of halves has a lobe.
 const WITHOUT_LOBE: f64 = 1.0;
 /// The largest number of rounds that change one or two numbers.
 const MOST_ROUNDS: usize = 8;

@@ -30,7 +30,7 @@ TABLE
 ";
 
 /// The functions in `language`, with the coefficients of `function`. The comment at the top ends with the lines
-/// `about`, which describe the table. `namespace` avoids name conflicts between the lights of several tables in one
+/// `about`, which describe the table. `namespace` avoids name conflicts between the texts of several tables in one
 /// shader. There are no bindings.
 ///
 /// # Errors

@@ -85,9 +85,9 @@ fn module(source: &str, entry: &str, form: Form, dialect: &dyn Dialect) -> Resul
     Ok(commented(&out))
 }
 
-/// The entry point of a program, which takes no parameters.
+/// Prints the entry point of a program. The entry point takes no parameters.
 fn program(context: &mut Context<'_>, name: &str, function: &Function) -> Result<String, Fault> {
-    // The dialect passes its resources to the printed entry point, not to this function.
+    // The function gets no parameters for its resources, because the dialect binds them to the printed entry point.
     let read = context.read.remove(name).unwrap_or_default();
     let bound: Vec<(String, Slotted)> = read
         .into_iter()

@@ -97,7 +97,7 @@ impl Driver {
         Ok(Self { device, statistics, name, _entry: entry })
     }
 
-    /// The names of the device and of the driver's version.
+    /// The name of the device, and the driver's version.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
@@ -155,7 +155,7 @@ impl Driver {
     }
 }
 
-/// The name of a RADV device with the driver's version. `None` for a device of another driver.
+/// The name of a RADV device, and the driver's version. `None` for a device of another driver.
 fn name(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<String> {
     let mut driver = vk::PhysicalDeviceDriverProperties::default();
     let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);

@@ -1,5 +1,5 @@
-//! Finds `BULGE` of `src/light/normals/arcs.rs`. Two arcs replace half an edge, and `BULGE` is how far beyond the chord
-//! they meet.
+//! Finds `BULGE` of `src/light/normals/arcs.rs`. Two arcs replace each half of an edge's image, and `BULGE` sets how
+//! far beyond the chord they meet.
 //!
 //! A grid search finds the two numbers of `BULGE` with the least mean error of V, the visible part, against the exact
 //! integrals.

@@ -65,7 +65,7 @@ impl Judged {
     }
 }
 
-/// A table compared with the best LTCs.
+/// How close a table comes to the best LTCs.
 #[derive(Debug, Clone, Copy)]
 pub struct Comparison {
     /// Mean distance divided by the mean distance of the best LTCs, minus one.

@@ -47,8 +47,8 @@ const CONSTANTS: [Constant; 11] = [
 ];
 const STEP_SAMPLING: Constant = constant!("STEP_SAMPLING", "cost.rs", 0);
 const POINT: Constant = constant!("POINT_SECONDS", "measure/effort.rs", 0);
-/// Evaluations of a fit by `bfgs`, of a fit by `nelder_mead`, and of a step of `nelder_mead`. These are conventions of
-/// the model. They define the seconds of an evaluation.
+/// The numbers of evaluations that the model assumes for a fit by `bfgs`, a fit by `nelder_mead`, and a step of
+/// `nelder_mead`. The study does not search for them, because the seconds per evaluation depend on them.
 const EVALUATIONS: [Constant; 3] = [
     constant!("EVALUATIONS", "solver/bfgs/mod.rs", 0),
     constant!("EVALUATIONS", "solver/nelder_mead/mod.rs", 0),
@@ -345,7 +345,7 @@ mod tests {
         }
     }
 
-    /// The study can find the constants of a machine with other proportions.
+    /// The study can find the constants of a machine on which they have other proportions.
     #[test]
     fn planted_seconds_give_planted_constants() {
         let mut planted = CONSTANTS.map(|constant| constant.current());

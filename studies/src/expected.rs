@@ -1,5 +1,5 @@
-//! Finds the constants of the expected error of a table. `expectation` predicts it from the recipe. It uses the numbers
-//! of `src/fit/expectation.rs` and of the layouts, and the factors of scattering and lobe models.
+//! Finds the constants by which `src/fit/expectation.rs` predicts the error of a table from its recipe: the numbers of
+//! that file and of the layouts, and the factors of scattering and lobe models.
 //!
 //! The study fits tables and measures `between.width.mean` of a report. The law is a sum of powers. Its factors come
 //! from least squares of relative errors, and its two exponents come from a grid search. See docs/tradeoff.md.

@@ -1,7 +1,7 @@
 //! Finds constants of the code, and prints tables of the docs.
 //!
-//! Each study has a generator of cases, an objective and held-out cases. All of them are seeded. The commands are in
-//! studies/README.md.
+//! Most studies that find constants have an objective, and seeded generators of cases for the search and of held-out
+//! cases. The commands are in studies/README.md.
 
 pub mod albedo;
 pub mod arcs;

@@ -24,14 +24,14 @@ const TOLERANCE_OF_EXTREMES: f64 = TRUTH_TOLERANCE;
 /// The kinds of cases. Each has its own distribution of surface, view and light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
-    /// Any surface, and a rectangle at distance one around a direction that the lobe reflects. Half its side is 0.05 to
-    /// 1.2, and one side is stretched by up to e.
+    /// Any surface, and a rectangle at distance one around a direction that the lobe reflects. Its half sides are 0.05
+    /// to 1.2, before one is stretched by up to e and the other shrunk by the same factor.
     Random,
     /// `Random` with alpha 0.1 to 0.6 and ratio 0.03 to 0.23.
     Anisotropic,
-    /// Rectangles with half sides of 50, which fill nearly half of all directions.
+    /// Rectangles whose half sides have the geometric mean 50. They fill nearly half of all directions.
     Huge,
-    /// Alpha and ratio over several decades, sizes from 0.002 to 50, and views up to 89.9 degrees.
+    /// Alpha and ratio over several decades, half sides from 0.002 to 50, and views up to 89.9 degrees.
     Extreme,
     /// An upright wall opposite the viewer. The middle of its lower edge is `foot` times its height above the surface.
     /// One end of this edge is `tilt` times the height higher, and the other end is lower.
@@ -43,7 +43,7 @@ pub enum Kind {
     },
     /// Walls with any foot from -0.1 to 0.25 and any tilt up to 0.05.
     NearHorizon,
-    /// Large walls that are far wider than high, or far higher than wide, like floors and ceilings seen from a wall.
+    /// Walls of any proportion that stand on the surface, like floors and ceilings seen from a wall.
     Floor,
     /// A rectangle around a point, with its plane close to the point.
     Around,
@@ -59,7 +59,7 @@ pub enum Kind {
     Sharp,
     /// Rectangles with their centre about as high as the horizon.
     Across,
-    /// Rectangles with an angular size of 0.3 to 3 degrees.
+    /// Rectangles with an angular radius of about 0.3 to 3 degrees.
     Tiny,
 }
 
@@ -228,7 +228,7 @@ const STEEP: Surfaces = Surfaces { theta: [80.0, 89.0], ..ALL };
 const SHARP: Surfaces =
     Surfaces { alpha: |draw| draw.0.within(0.01, 0.05), ratio: |draw| draw.0.within(0.2, 1.0), ..ALL };
 
-/// Range of half the width of a light at distance one, before one side is stretched by up to e and the other is shrunk.
+/// Range of the half sides of a light at distance one, before one is stretched by up to e and the other is shrunk.
 const USUAL: [f64; 2] = [0.05, 1.2];
 
 impl Generator {

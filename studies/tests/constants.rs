@@ -194,7 +194,7 @@ fn the_albedo_is_as_good_as_the_cubic_of_a_search() {
     }
 }
 
-/// The error of the table fitted to the numbers is about that of the formula's table, and about that of the numbers.
+/// The table fitted to a tabulated BRDF has about the error of the formula's table, and about that of the BRDF itself.
 #[test]
 fn a_brdf_given_as_numbers_has_the_errors_of_the_page() {
     let found = tabulated::find(Preset::Draft, 0.05).expect("the page's recipe");

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | 8 | `LTCcomp1`; the last byte is the version |
 //! | for each of BRDF, lobe model, layout: 1 + n | the length of the name, the name in ASCII |
-//! | for each axis: 2 + 1 + 8 + 8 | nodes, u16; polynomials; first and last node, f64 |
+//! | for each axis: 2 + 1 + 8 + 8 | number of nodes, u16; polynomials; ends of the range, f64 |
 //! | 2 | stored channels, u16, channel 0 is the lowest bit |
 //! | 2 | channels with corrections, u16 |
 //! | 4 | the unit of corrections, in steps of their channel, f32 |

@@ -39,14 +39,14 @@ pub const DECODER: &str = include_str!("decoder.rs");
 /// Coefficients with a fraction below `1 - ROUND_UP` are rounded towards zero. This saves many bytes for a small loss
 /// of accuracy.
 const ROUND_UP: f64 = 0.4;
-/// The largest error of a number, in steps of its channel.
+/// The smallest error of a number that is corrected, in steps of its channel.
 const MOST_MISSED: f64 = 5.0;
 
 /// The largest mean error of a decoded table between nodes, relative to the table's mean error.
 const MOST_ERROR: f64 = 1.01;
 /// The number of places between nodes where both errors are measured.
 const MEASURED_AT: usize = 512;
-/// Maximum number of refinements of the steps. The last steps are 28 times finer than the first.
+/// Maximum number of roundings that are tried. The steps of the last are 28 times finer than those of the first.
 const ATTEMPTS: u32 = 16;
 
 /// A compact form, and its cost: errors between nodes as fractions of a lobe's width, at 512 places.

@@ -17,7 +17,8 @@ const ISOTROPIC: (f64, f32) = (0.007, 8.0);
 const CHOSEN: (f64, f32) = (0.015, 0.25);
 /// The factor by which the terms of [`CHOSEN`] tables are rounded more coarsely.
 const CHOSEN_TERMS: f64 = 1.75;
-/// The number of rows, at the smallest roughness of [`CHOSEN`] tables, whose numbers differ most from their lobes'.
+/// The number of rows of [`CHOSEN`] tables whose numbers differ most from those of their own lobes. These rows have the
+/// smallest roughness.
 const MIRROR_ROWS: usize = 2;
 /// The distance from the median of its neighbourhood, in steps, above which a number is left to corrections.
 const OUTLIER: f64 = 8.0;
@@ -65,7 +66,7 @@ impl Rounding {
 
     /// The numbers that polynomials should follow, for a channel with this step. If the numbers minimise the error
     /// between nodes, neighbours replace the numbers of the smallest roughness and at the horizon, and corrections
-    /// restore them. Outliers are replaced too, because a polynomial would bend all numbers around them.
+    /// restore them. Outliers of such tables are replaced too, because polynomials would bend all numbers around them.
     pub(super) fn smoothed(self, table: &Table, step: f64, mut exact: Vec<f64>) -> Vec<f64> {
         if self.is_chosen {
             let columns = table.axes().theta.len();

@@ -40,8 +40,8 @@ const FIELDS: [&str; 14] = [
 ];
 const FIT_FIELDS: [&str; 8] = ["metric", "solver", "samples", "directions", "steps", "seed", "shear", "start"];
 
-/// Bounds of the number of samples. Fewer samples do not determine a lobe's width; above the upper bound their f32
-/// counts are not exact.
+/// Bounds of the number of samples. Fewer samples do not determine a lobe's width. The metric's histograms cannot count
+/// more samples.
 pub(super) const SAMPLES: [u32; 2] = [32, 65_536];
 /// Bounds of the number of directions: seven free numbers need several directions.
 pub(super) const DIRECTIONS: [u32; 2] = [4, 1024];

@@ -5,7 +5,8 @@ use glam::{DMat3, DVec3};
 use super::five::{ELEMENTS, matrix};
 use crate::{layout::FreeNumbers, math::concentric_cosine};
 
-/// The number of rings of the clamped cosine. Rings are divided into sectors, and each cell has one direction.
+/// The number of rings into which the clamped cosine is divided. Rings are divided into sectors, and each sector of a
+/// ring has one direction.
 const RINGS: usize = 3;
 const SECTORS: usize = 4;
 

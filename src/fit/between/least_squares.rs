@@ -130,7 +130,7 @@ impl<const D: usize> Normal<D> {
     }
 }
 
-/// The index of a node's own block among the blocks of its neighbours.
+/// The index of a node's block with itself among its nine blocks.
 const OWN: usize = 4;
 
 /// The corners of a cell, as steps down and to the right, with their bilinear weights at a point.

@@ -63,7 +63,7 @@ impl Lobes {
         }
     }
 
-    /// The angle in radians between the theta nodes `column` and `column + 1`.
+    /// The difference in radians between the theta nodes `column` and `column + 1`.
     pub(super) fn angle(&self, column: usize) -> f64 {
         self.angles[column + 1] - self.angles[column]
     }

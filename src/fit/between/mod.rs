@@ -8,8 +8,8 @@
 //! (layout `reflected`), lobes hardly change between neighbouring nodes. Lobes that do not follow the reflection hardly
 //! change even in the frame of the surface.
 //!
-//! The distance is a quadratic form of the stored numbers. Let `M` be the lobe's matrix and `N` its inverse. A change
-//! `dN` of `N` moves a direction `w` of the lobe by
+//! The squared distance of a lookup from the best lobe is about a quadratic form in the stored numbers. Let `M` be the
+//! lobe's matrix and `N` its inverse. A change `dN` of `N` moves a direction `w` of the lobe by
 //!
 //! ```text
 //! d(w) = -P M dN w,    P = I - w w^T;    and d(w) = P dM N w
@@ -182,8 +182,8 @@ fn upright(grid: Grid, node: usize, found: &[f64; 5], own: &[f64; 5]) -> DMat3 {
     if area(&found) > LEAST_PART * LEAST_PART * area(own) { matrix(&found) } else { matrix(own) }
 }
 
-/// The chosen amplitude and Fresnel term of each entry. Their errors are weighted only by the view and the cell's
-/// angle.
+/// The chosen amplitude and Fresnel term of each entry. Their errors are weighted only by the view and by the range of
+/// theta in the cell.
 fn terms(grid: Grid, lobes: &Lobes, own: &[LobeNumbers]) -> Vec<LobeTerms> {
     let own: Vec<[f64; 2]> = own.iter().map(|stored| [stored.terms.amplitude, stored.terms.fresnel]).collect();
     let mut normal = Normal::new(grid);

@@ -97,8 +97,8 @@ struct VisibleSlope {
 impl VisibleSlope {
     /// Steeper slopes have a probability below 1e-16.
     const STEEPEST: f64 = 6.0;
-    /// Halley's method has an error of about the cube of its last step, divided by the squared distance to the steepest
-    /// visible slope. This is far less than 1e-8 of the lobe's width.
+    /// Halley's method ends with a step shorter than this. Its error is then about the cube of this step, divided by
+    /// the squared distance to the steepest visible slope. This is far less than 1e-8 of the lobe's width.
     const LAST_STEP: f64 = 1e-5;
     /// The largest number of steps; bisection alone needs this many. Halley's method takes three or four.
     const STEPS: usize = 64;

@@ -104,8 +104,8 @@ impl Fibres {
     /// limit that renderers use. Seen from above, a surface with this roughness reflects only 1e-30 of the light. The
     /// reflected light of smoother surfaces would soon underflow to zero.
     pub(super) const SMOOTHEST_ALPHA: f64 = 0.0049;
-    /// The width of the sampler, relative to the width of the exponential alone. The lobe is wider than the
-    /// exponential, because shadowing removes the light closest to the horizon.
+    /// The width of the sampler, relative to the width of `D` near the horizon, where `D` is almost exponential. The
+    /// lobe is wider than `D`, because shadowing removes the light closest to the horizon.
     const WIDER: f64 = 2.0;
 
     /// Fibres of roughness `alpha` in [0, 1], the square of glTF's sheen roughness. Smaller values are raised to
@@ -153,8 +153,8 @@ impl Fibres {
     }
 }
 
-/// Directions low above the horizon, mostly towards the view's azimuth. The height has the density
-/// `h (1 + h) / (z + h)^2`. The azimuth has a wrapped Cauchy distribution of focus `q`,
+/// Directions low above the horizon, mostly towards the view's azimuth. The height `z` of a direction has the density
+/// `h (1 + h) / (z + h)^2` with `h = height`. The azimuth has a wrapped Cauchy distribution of focus `q`,
 /// `(1 - q^2) / (2 pi (1 + q^2 - 2 q cos p))`. Both have heavier tails than the lobe, so weights are bounded.
 struct Around {
     azimuth: DVec2,

@@ -39,7 +39,8 @@ pub(crate) const SMOOTH_NUMBERS: usize = 9;
 const LEAST_ROOT: f64 = 0.004;
 /// The smallest value of `h`, the divisor of the last row.
 const LEAST_HEIGHT: f64 = 0.05;
-/// The roughness below which the factor of the last row falls towards zero, in layouts that store the lobe itself.
+/// The roughness at which the factor of the last row is one half, in layouts that store the lobe itself. For smoother
+/// surfaces it falls towards zero.
 const SHARP: f64 = 0.002;
 
 impl Layout {

@@ -9,7 +9,8 @@ pub(crate) trait LobeDistribution {
     /// Maps a point of the unit square to a direction of unit length.
     fn sample(&self, u: [f64; 2]) -> DVec3;
 
-    /// The integral of the distribution over a convex polygon, seen from the origin and from either side, in [0, 1].
+    /// The integral of the distribution over the directions from the origin to a convex polygon, in [0, 1]. The polygon
+    /// is visible from both sides.
     fn covered(&self, polygon: &[DVec3]) -> f64;
 
     /// The factor that converts a table's terms to the terms of the lobe: the fraction of the model's weight above the

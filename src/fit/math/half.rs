@@ -1,6 +1,6 @@
 //! Half floats, IEEE 754 binary16.
 
-/// The bits of the nearest half float, ties to even. Values above 65,519 become infinite.
+/// The bits of the nearest half float, ties to even. Values of 65,520 or more become infinite.
 #[must_use]
 pub fn half_bits(x: f32) -> u16 {
     const INFINITE: u32 = 0x7f80_0000;

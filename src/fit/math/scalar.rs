@@ -41,7 +41,7 @@ pub trait Scalar:
     /// The square root.
     #[must_use]
     fn sqrt(self) -> Self;
-    /// The natural logarithm. Domain: `self > 0`, normal.
+    /// The natural logarithm. Domain: `self > 0`, not subnormal.
     #[must_use]
     fn ln(self) -> Self;
     /// e to the power of the number; zero for very negative numbers.

@@ -51,7 +51,7 @@ pub fn sin_cos_turns(turns: f32) -> (f32, f32) {
 }
 
 /// The natural logarithm. Near 1 the relative error is below 3e-7. Elsewhere the absolute error is below 3e-7 times the
-/// magnitude of the logarithm. Domain: `x > 0`, normal.
+/// magnitude of the logarithm. Domain: `x > 0`, not subnormal.
 ///
 /// `x = m 2^e` with `m` in [sqrt(1/2), sqrt 2): `ln x = e ln 2 + 2 artanh((m - 1) / (m + 1))`, by the series of artanh.
 #[must_use]
@@ -66,7 +66,7 @@ pub(super) fn ln(x: f32) -> f32 {
     exponent as f32 * std::f32::consts::LN_2 + series
 }
 
-/// e to the power `x`. Shaders use their own `exp`, which is within `3 + 2 |x|` ulps.
+/// e to the power `x`. Shaders use the built-in `exp`, which is within `3 + 2 |x|` ulps.
 #[must_use]
 pub(super) fn exp(x: f32) -> f32 {
     libm::expf(x)

@@ -1,6 +1,5 @@
-//! Chooses the number of measured configurations, such that measuring takes a fixed fraction of the fit's time. More
-//! configurations are measured between nodes than at nodes, because a few large errors between nodes change the mean
-//! strongly.
+//! Chooses the number of measured configurations: in proportion to the fit's time, within limits. More configurations
+//! are measured between nodes than at nodes, because a few large errors between nodes change the mean strongly.
 
 use crate::{Recipe, fit_seconds};
 

@@ -1,7 +1,7 @@
 //! Measures the accuracy of a table through its lookup, as a renderer sees it, with samples that the fit does not use.
 //!
-//! Invariant: the report depends only on the table, the requested ranges and a number of points. It shares no code and
-//! no samples with the loss that fits minimise, so an error in the loss is visible here.
+//! Invariant: the report depends only on the table, the requested ranges and the number of points. It shares no code
+//! and no samples with the loss that fits minimise, so an error in the loss is visible here.
 
 mod accuracy;
 mod difference;
@@ -49,7 +49,7 @@ pub struct Report {
     pub nodes: Accuracy,
     /// Errors between nodes, including interpolation.
     pub between: Accuracy,
-    /// Nodes where an LTC is a poor approximation of the lobe.
+    /// Nodes where the stored LTC or Gaussian is a poor approximation of the lobe.
     pub poor: Poor,
     /// Determinants and condition numbers of the stored matrices.
     pub matrices: Matrices,

@@ -76,7 +76,7 @@ pub(crate) type Offsets = [Vec<f32>; 3];
 
 /// The distance between one target and the LTC of a matrix. Evaluations return `None` if `stop_check` stops them.
 pub(crate) trait Loss {
-    /// Mean standard deviation of the lobe's projections. It is the unit of losses.
+    /// The width of the lobe's core. It is the unit of losses.
     fn spread(&self) -> f64;
 
     /// The distance at `m`, a matrix from cosine space to the lobe's frame with a positive determinant.

@@ -101,8 +101,8 @@ pub(crate) struct LobeCore {
 }
 
 impl LobeCore {
-    /// The number of samples for the estimate. The fit corrects the estimate by far more than the error of the
-    /// estimate.
+    /// The number of samples for the estimate. Their sampling error is far smaller than the correction that the fit
+    /// makes to the estimate.
     const SAMPLES: usize = 512;
     /// The number of reweightings. Each removes about half of the remaining error.
     const ROUNDS: usize = 12;

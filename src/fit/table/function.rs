@@ -174,8 +174,8 @@ impl IsotropicFunction {
     }
 
     /// The coefficients in multiples of [`Self::steps`], by degree in roughness, degree in view, and channel. The
-    /// channels are `p`, `q`, the slant of the third column, the last row, and the two terms, as in
-    /// `shaders/ltc_function.wgsl`.
+    /// channels are `p`, `q`, the slant (the stereographic projection of the third column), the last row, and the two
+    /// terms, as in `shaders/ltc_function.wgsl`.
     #[must_use]
     pub fn coefficients(&self) -> &[[[i16; 6]; FUNCTION_SIDE]; FUNCTION_SIDE] {
         &self.coefficients
@@ -211,8 +211,8 @@ impl IsotropicFunction {
         Table::of_smooth_numbers((source.brdf(), source.lobe, Layout::Reflected), axes, &numbers, true)
     }
 
-    /// The numbers that a shader computes. They are for the larger roughness, raised to [`ALPHA_FLOOR`]. The lobe turns
-    /// with the view.
+    /// The numbers that a shader computes from the polynomials. The function has one roughness: the larger of the two,
+    /// raised to [`ALPHA_FLOOR`]. The lobe is turned by the view's azimuth.
     #[must_use]
     pub fn lobe(&self, configuration: &Configuration) -> LookedUp {
         let Configuration { alpha_x, alpha_y, theta, phi } = *configuration;

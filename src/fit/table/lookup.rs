@@ -110,7 +110,7 @@ impl Table {
         self.axes.ratio.iter().all(|ratio| *ratio == 1.0) && self.axes.phi.len() == 1
     }
 
-    /// The edge's spread at a point within the nodes. All layouts store it unchanged.
+    /// The edge spread at a point within the nodes. All layouts store it unchanged.
     fn edge_spread_at(&self, place: &PerAxis<f64>) -> Option<f64> {
         let edge = self.terms.as_ref()?.edge.as_ref()?;
         Some(self.corners(&self.brackets(place)).map(|(index, weight)| weight * f64::from(edge[index])).sum())

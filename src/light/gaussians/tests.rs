@@ -332,10 +332,10 @@ fn the_light_of_gaussians_is_as_far_off_as_the_docs_say() {
 
 /// The largest difference between the descriptions of the same scene, over several scenes lit from both sides, and the
 /// sum of the light.
-fn between_tellings(scenes: &[Lit], of: impl Fn(&Lit) -> f64) -> (f64, f64) {
+fn between_variants(scenes: &[Lit], of: impl Fn(&Lit) -> f64) -> (f64, f64) {
     scenes.iter().fold((0.0, 0.0), |(most, sum), scene| {
         let energy = of(scene);
-        let off = scene.tellings().map(|scene_variant| (of(&scene_variant) - energy).abs()).fold(most, f64::max);
+        let off = scene.variants().map(|scene_variant| (of(&scene_variant) - energy).abs()).fold(most, f64::max);
         (off, sum + energy)
     })
 }
@@ -357,8 +357,8 @@ fn a_scene_is_lit_equally_in_every_description() {
                 let (alpha, wo) = (lit.alpha().map(|alpha| alpha as f32), lit.wo().as_vec3().to_array());
                 f64::from(reflected(gaussian, alpha, wo, &vertices, Sides::Two)[0])
             };
-            let (off, sum) = between_tellings(&scenes, wide);
-            let (off32, _) = between_tellings(&scenes, narrow);
+            let (off, sum) = between_variants(&scenes, wide);
+            let (off32, _) = between_variants(&scenes, narrow);
             println!("{gaussian} {roughness:?}: {off:e} in f64, {off32:e} in f32");
             assert!(off < 1e-9 && off32 < 2e-4 && sum > 60.0, "{gaussian} {roughness:?}: {off} {off32} {sum}");
         }

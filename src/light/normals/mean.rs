@@ -21,7 +21,7 @@ pub struct Region<T> {
     pub at_mean: T,
     /// Schlick's factor at the mean normal of the region, `(1 - wo . h)^5`.
     pub schlick: T,
-    /// The weight at the mean rise of the corners.
+    /// The weight at the mean rise of the corners; see `View::rise`.
     pub at_corners: T,
     /// For a triangle, the weight at the light's mean normal, which is its tip. For the whole region, the weight at its
     /// own mean normal.

@@ -108,7 +108,7 @@ fn a_table_of_gaussians_lights_a_scene_equally_in_every_description() {
         let (mut most, mut sum) = (0.0_f64, 0.0);
         for scene in &scenes {
             let wanted = energy(scene);
-            most = scene.tellings().map(|scene_variant| (energy(&scene_variant) - wanted).abs()).fold(most, f64::max);
+            most = scene.variants().map(|scene_variant| (energy(&scene_variant) - wanted).abs()).fold(most, f64::max);
             sum += wanted;
         }
         assert!(most < 1e-9 && sum > 20.0, "{lobe}: {most:e}, {sum}");

@@ -15,7 +15,8 @@ use ltcforge_fit::math::{Scalar, dot};
 
 /// The cosine assumed for points on or below the horizon. It keeps the sum of weights positive.
 const LEAST_COSINE: f64 = 1e-6;
-/// The smallest eigenvalue relative to the larger one. It limits the longer axis to a length that f32 resolves.
+/// The lower limit of the smaller eigenvalue, relative to the larger one. It limits the longer axis to a length that
+/// f32 resolves.
 const LEAST_RATIO: f64 = 1e-7;
 /// The smallest eigenvalue, times the light's area divided by the squared distance of its first corner. Below it a bump
 /// is practically infinite. Fitted tables reach neither limit.

@@ -35,7 +35,7 @@ impl LightPyramid {
     /// of its own result, mostly 0.65, and the rest from the next coarser level. Weights outside of the image are left
     /// out, and the other weights are divided by their sum. Sums are in f64, levels are rounded to f32.
     ///
-    /// Runs on the current rayon pool. Its size does not change the result.
+    /// Runs on the current rayon pool. The size of the pool does not change the result.
     #[must_use]
     pub fn new(image: &LightImage) -> Self {
         Self::with_own_parts(image, OWN_PARTS)

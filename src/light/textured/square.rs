@@ -27,7 +27,7 @@ impl LightImage {
 
     /// Converts the image to another number of texels. Each texel is the mean of the part of the image that it covers.
     /// This preserves the mean and uniform colours. Domain: a positive width and height. Runs on the current rayon
-    /// pool. Its size does not change the result.
+    /// pool. The size of the pool does not change the result.
     #[must_use]
     pub fn resampled(&self, [width, height]: [usize; 2]) -> Self {
         let (columns, rows) = (averaged(self.width(), width), averaged(self.height(), height));

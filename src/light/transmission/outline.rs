@@ -7,7 +7,8 @@
 //! | normals that face the viewer, `wo . h > 0`, eta > 1 | `wo . wi < -1 / eta` | `Grazing`, a great arc of normals |
 //! | normals that face the light, `wi . h < 0`, eta < 1 | `wo . wi < -eta` | `Critical`, a conic |
 //!
-//! For `eta > 1`, the light faces every normal that faces the viewer; for `eta < 1` the reverse holds.
+//! For `eta > 1`, every normal that faces the viewer also faces the light. For `eta < 1`, every normal that faces the
+//! light also faces the viewer.
 
 use super::{
     arc::{Arc, ArcKind, Circle, Extent},

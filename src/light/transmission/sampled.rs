@@ -13,9 +13,9 @@ use ltcforge_fit::{
 /// The light that GGX transmits towards `wo` from a polygon of basic radiance one, estimated from `count` visible
 /// normals and the directions that they refract.
 ///
-/// The other arguments are the arguments of [`super::transmitted`]. The error for one normal is half of the energy. It
-/// falls with `1 / sqrt(count)`, and faster for wide lobes. `shift`, in [0, 1), moves the points; equal shifts give
-/// equal bits. Domain: `count` from 1 to 2^32 - 1.
+/// The other arguments are the arguments of [`super::transmitted`]. Each normal contributes between 0 and 1, so the
+/// standard error for one normal is at most one half. It falls with `1 / sqrt(count)`, and faster for wide lobes.
+/// `shift`, in [0, 1), moves the points; equal shifts give equal bits. Domain: `count` from 1 to 2^32 - 1.
 #[must_use]
 pub fn sampled(
     [alpha_x, alpha_y]: [f64; 2],

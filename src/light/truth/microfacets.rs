@@ -83,7 +83,7 @@ impl Space for GgxNormals {
     }
 }
 
-/// Any other lobe around a reflection, over normals.
+/// A lobe around a reflection that is not GGX, over normals.
 pub(super) struct Normals<'a> {
     map: Stretch,
     brdf: &'a dyn Brdf,

@@ -8,9 +8,8 @@ use ltcforge_fit::brdf::{Brdf, edge_weight};
 pub(super) const SHORT: f64 = 0.95;
 
 /// A surface and a view, and a map from light directions to unit vectors. In the space of the unit vectors the lobe is
-/// broad.
-/// The map takes straight edges to curves and lights to regions. The integral of [`Space::density`] over the image of a
-/// light is the reflected light.
+/// broad. The map takes straight edges to curves and lights to regions. The integral of [`Space::density`] over the
+/// image of a light is the reflected light.
 pub(super) trait Space {
     /// The image of a direction, of unit length.
     fn image(&self, w: DVec3) -> DVec3;

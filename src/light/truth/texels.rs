@@ -67,7 +67,7 @@ struct Cells<F> {
     density: F,
     corner: DVec3,
     sides: [DVec3; 2],
-    /// The point that a mirror reflects. `sharpness` is the width of the lobe around it.
+    /// The point that a mirror reflects. `sharpness` is about the smallest width of the lobe there, as a length.
     met: DVec3,
     sharpness: f64,
     tolerance: f64,

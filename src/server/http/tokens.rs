@@ -166,7 +166,8 @@ impl Tokens {
         self.0.is_empty()
     }
 
-    /// The token with this secret. Constant time is not needed, because nobody can choose the bits of a hash.
+    /// The token with this secret. The comparison need not take constant time, because nobody can choose the bits of a
+    /// hash.
     pub(super) fn find(&self, secret: &[u8]) -> Option<&Arc<Token>> {
         let hash = Digest::of(secret);
         self.0.iter().find(|token| token.hash == hash)

@@ -21,7 +21,8 @@ use crate::{
 use ltcforge_files::tabulated::is_tabulated;
 use ltcforge_fit::FITTER_VERSION;
 
-/// Interval at which leases are renewed and followers are notified. In a cluster, each renewal is a database statement.
+/// Interval at which leases are renewed and followers are notified. It is longer in a cluster, where each renewal is a
+/// database statement.
 const RENEW_EMBEDDED: Duration = Duration::from_millis(100);
 #[cfg(feature = "cluster")]
 const RENEW_SHARED: Duration = Duration::from_millis(500);

@@ -78,7 +78,7 @@ pub struct PictureCounts {
     pub done: u64,
     /// Pictures for which the renderer or the storage failed.
     pub failed: u64,
-    /// Pictures that were stopped, because the caller left or the time ran out.
+    /// Pictures that were stopped, because the caller left, the time ran out or the service stopped.
     pub given_up: u64,
     /// Pictures that were refused, because too many waited or they had too many samples.
     pub refused: u64,

@@ -31,7 +31,7 @@ const RETRY_SLOW: Duration = Duration::from_secs(30);
 /// How long rendering may exceed its time limit before the driver counts as hung.
 const HUNG_AFTER: Duration = Duration::from_secs(20);
 
-/// Stops rendering when the caller has left.
+/// A guard that the caller holds. Dropping it stops the rendering.
 struct Caller(Arc<AtomicBool>);
 
 impl Drop for Caller {

@@ -181,7 +181,7 @@ impl State {
         })
     }
 
-    /// When the first running job is expected to end.
+    /// The time until the first running job is expected to end.
     fn retry_after(&self) -> Duration {
         let running = self.queue.list(Some(StateName::Running), None, self.config.queue_limit);
         let jobs = running.map(|(jobs, _)| jobs).unwrap_or_default();

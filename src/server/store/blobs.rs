@@ -22,7 +22,7 @@ pub struct BlobInfo {
 
 /// A content-addressed store. All methods block. A blob survives power cuts once [`Blobs::put`] has returned.
 pub trait Blobs: Send + Sync + Debug {
-    /// Stores `bytes` durably and returns their digest. Storing equal bytes again changes nothing.
+    /// Stores `bytes` durably and returns their digest. Storing equal bytes again keeps the blob.
     ///
     /// # Errors
     /// [`StoreError::DiskFull`], or the storage's error. Then nothing is stored.

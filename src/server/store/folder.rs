@@ -43,7 +43,7 @@ impl FolderBlobs {
         let blobs = Self::shared(root, quarantine)?;
         for file in blobs.files()? {
             let name = file.file_name().unwrap_or_default().to_string_lossy();
-            // Older versions used the second name.
+            // Older versions used the second prefix.
             if name.starts_with(TEMPORARY_PREFIX) || name.starts_with(".tmp-") {
                 fs::remove_file(&file).map_err(|source| StoreError::of_io(&file, source))?;
             }

@@ -1,7 +1,7 @@
 //! Babylon.js, as of `@babylonjs/core` 9.34.0 (npm).
 //!
-//! `Lights/LTC/ltcTextureTool` loads `areaLights/areaLightsLTC.bin` from the folder of core assets, which
-//! `Tools.AssetBaseUrl` replaces. It reads 16-bit words in the processor's byte order, which is little-endian. Each
+//! `Lights/LTC/ltcTextureTool` loads `areaLights/areaLightsLTC.bin` from the folder of core assets, or from
+//! `Tools.AssetBaseUrl` if it is set. It reads 16-bit words in the processor's byte order, which is little-endian. Each
 //! texel has eight halves: four of texture 1, then four of texture 2. `ltcHelperFunctions` samples at roughness and
 //! sqrt(1 - cos theta). The shader has a constant for half a texel of a 64 x 64 texture.
 

@@ -33,7 +33,8 @@ pub(super) fn bundle(source: &Source<'_>) -> Result<Bundle, TextureFileError> {
     Ok(Bundle { files: vec![file("ltc.js", text.into_bytes(), &all)], steps: steps.map(str::to_owned).into() })
 }
 
-/// The bytes of all numbers: the lowest byte of all numbers first, and for each byte one channel after another.
+/// The bytes of all numbers: first the lowest byte of each number, last the highest. For each of the four bytes, the
+/// numbers are in the order of textures and channels.
 fn sorted_bytes(textures: &[Stored<'_>]) -> Vec<u8> {
     let mut sorted = Vec::new();
     for byte in 0..4 {

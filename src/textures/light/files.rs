@@ -49,8 +49,8 @@ const SMALL: f32 = 6.103_515_6e-5;
 /// The KTX2 key and value for the direction of rows and columns.
 const ORIENTATION: (&str, &str) = ("KTXorientation", "rd");
 
-/// The flag of the exponent, and the encodings of one and of the largest exponent, in a descriptor for RGB9E5 [Khronos
-/// Data Format Specification 1.3, section 16.4].
+/// The flag of the exponent, the encoding of one, and the bias and the largest value of the exponent, in a descriptor
+/// for RGB9E5 [Khronos Data Format Specification 1.3, section 16.4].
 const EXPONENT: u8 = 0x20;
 const ONE_OF_RGB9E5: u32 = 8448;
 const EXPONENT_RANGE: [u32; 2] = [15, 31];

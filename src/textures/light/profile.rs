@@ -1,6 +1,6 @@
 //! Photometric profiles: IES LM-63 files, as a picture over the tangents of angles.
 //!
-//! Invariant: hostile bytes give all errors of the header within bounded time and memory, never a panic.
+//! Invariant: hostile bytes give an error within bounded time and memory, never a panic.
 
 use ltcforge_fit::math::atan2;
 use ltcforge_light::textured::{LightImage, PROFILE_TANGENT};
@@ -17,7 +17,7 @@ const MOST_BYTES: usize = 1 << 24;
 /// The number of values between the TILT line and the angles.
 const HEADER: usize = 13;
 
-/// The file is not a valid profile. Lists all errors.
+/// The file is not a valid profile. Lists all errors of its header, or all errors of its angles and candelas.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("not a readable IES LM-63 file: {}", .0.join("; "))]
 pub struct ProfileError(Vec<String>);
@@ -43,7 +43,8 @@ impl Profile {
     /// Reads an IES LM-63 file with type C photometry and without tilt.
     ///
     /// # Errors
-    /// [`ProfileError`] with all errors in the TILT line, the header, the angles and the candelas.
+    /// [`ProfileError`]: an invalid TILT line or number, or else all errors of the header, or else all errors of the
+    /// angles and candelas.
     pub fn parse(bytes: &[u8]) -> Result<Self, ProfileError> {
         let one = |fault: String| ProfileError(vec![fault]);
         if bytes.len() > MOST_BYTES {
@@ -151,7 +152,7 @@ impl Profile {
     }
 
     /// The picture over tangents. A texel is the candelas divided by the cosine of the angle to the axis: the radiance
-    /// of a light with area one. u runs from -4 to 4 along x, and v along y.
+    /// of a light with area one. The tangents, x along u and y along v, run from -4 to 4.
     ///
     /// # Panics
     /// Never: candelas are finite and not negative.

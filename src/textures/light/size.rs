@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-/// The width and the height of a light, in any unit. Both are finite and above zero. As text `1.6x0.9`.
+/// The width and the height of a light, in any unit. Both are finite and above zero. Written as `1.6x0.9`.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Deserialize)]
 #[serde(try_from = "String")]
 pub struct LightSize(pub(super) [f64; 2]);

@@ -78,7 +78,7 @@ pub(super) trait Dialect {
     /// Reserved words, separated by blanks.
     fn reserved(&self) -> &'static str;
 
-    /// Functions of the language that WGSL calls differently, separated by blanks. Variables must not hide them.
+    /// Functions of the language that have other names in WGSL, separated by blanks. Variables must not hide them.
     fn functions(&self) -> &'static str;
 
     /// The lines before all declarations.

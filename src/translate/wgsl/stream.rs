@@ -41,7 +41,7 @@ impl<'a> Stream<'a> {
         self.token().span.start
     }
 
-    /// The end of the last token.
+    /// The end of the last consumed token.
     pub(super) fn before(&self) -> usize {
         self.at.checked_sub(1).map_or(0, |last| self.tokens[last].span.end)
     }

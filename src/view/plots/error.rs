@@ -6,7 +6,7 @@ use super::{ErrorSlice, chart};
 use crate::picture::{Panel, Picture, bar, colour, grid, headed, number};
 use ltcforge_fit::{ErrorMap, GoOn, Table, error_map_while};
 
-/// Configurations along each side of the map: about four per cell of the default table.
+/// Configurations along each side of the map: four or five for each step between nodes of the default table.
 pub(super) const CELLS: usize = 40;
 
 /// Draws both errors next to each other. Returns `None` as soon as `go_on` returns false.

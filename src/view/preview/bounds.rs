@@ -46,8 +46,8 @@ impl SceneFault {
 }
 
 impl Scene {
-    /// Every number that is out of bounds, in the order of the parameters, and every reason that the light cannot have
-    /// its picture. A NaN is out of bounds.
+    /// Every number that is out of bounds: counts, then parameters in their order. Also every reason that the light
+    /// cannot have its picture. A NaN is out of bounds.
     #[must_use]
     pub fn faults(&self) -> Vec<SceneFault> {
         let mut scene = self.clone();

@@ -14,7 +14,8 @@ use ltcforge_fit::{MAX_VERTICES, math::sin_cos};
 
 /// Radiance of the background.
 const BACKGROUND: f32 = 0.02;
-/// The distance at which a floor ends, in radii of the scene's sphere. It fades out over the second half.
+/// The distance at which a floor ends, in radii of the scene's sphere. The floor fades out over the second half of this
+/// distance.
 const FLOOR_END: f32 = 12.0;
 /// A smaller cosine of the view direction is raised to this value, because a surface reflects no light along the
 /// horizon.

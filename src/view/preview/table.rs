@@ -55,9 +55,9 @@ impl ShaderTable {
         }
     }
 
-    /// The table with its numbers rounded to `format`. A table without terms gets amplitude 1 and Fresnel term 0. With
-    /// `kt2022`, all light is then reflected. With `reflected`, the reflected part is that of the reflection in the
-    /// middle of the lobe. Domain: nodes of the table's layout, as in every file.
+    /// The table with its numbers rounded to `format`. A table without terms gets amplitude 1 and Fresnel term 0. In
+    /// layout `kt2022`, the surface then reflects all light. In layout `reflected`, it reflects the part that the
+    /// reflection in the middle of the lobe reflects. Domain: nodes of the table's layout, as in every file.
     #[must_use]
     pub fn new(table: &Table, format: TexelFormat) -> Self {
         let rounded = |x: f32| match format {

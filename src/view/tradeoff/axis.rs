@@ -18,7 +18,7 @@ impl LogAxis {
         let shown = values.filter(|value| *value > 0.0 && value.is_finite());
         let [low, high] = shown.fold([f64::INFINITY, 0.0_f64], |[low, high], value| [low.min(value), high.max(value)]);
         let [low, high] = if low > high { [1.0, 10.0] } else { [low, high] };
-        // A single value is in the middle of an axis that spans a factor of two.
+        // An axis of a single value begins just below it and spans a factor of more than sqrt(2).
         let span = (high / low).ln().max(std::f64::consts::LN_2 * 0.5);
         let margin = (MARGIN * span).exp();
         Self { low: low / margin, high: (low * span.exp()).max(high) * margin, ends }
@@ -30,7 +30,7 @@ impl LogAxis {
         self.ends[0] + (self.ends[1] - self.ends[0]) * part.min(1.0)
     }
 
-    /// Values to mark: 1, 2 and 5 of each decade, or all nine if the axis spans less than a decade.
+    /// Values to mark in each decade: 1, 2 and 5; more on an axis that spans a small factor, only 1 on a long axis.
     pub(super) fn ticks(&self) -> Vec<f64> {
         let steps: &[f64] = match self.high / self.low {
             span if span < 6.0 => &[1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
@@ -42,7 +42,8 @@ impl LogAxis {
         all.filter(|tick| (self.low..=self.high).contains(tick)).collect()
     }
 
-    /// The values to mark. If some are closer together than `least`, it returns only whole decades.
+    /// The values of [`Self::ticks`]. If some are closer together than `least`, it returns only powers of ten, unless
+    /// there are fewer than two.
     pub(super) fn ticks_apart(&self, least: f64) -> Vec<f64> {
         let ticks = self.ticks();
         let is_close = |pair: &[f64]| (self.at(pair[1]) - self.at(pair[0])).abs() < least;

@@ -52,7 +52,7 @@ pub(super) struct Point {
     pub(super) shipped: Option<f64>,
     pub(super) name: Option<String>,
     pub(super) is_preset: bool,
-    /// Whether the point is on the front of tables with the presets' resolution and precision.
+    /// Whether the point is on the front of tables with the presets' layout, resolution and precision.
     pub(super) is_on_base_front: bool,
 }
 

@@ -8,7 +8,7 @@ use ltcforge_fit::{FitSettings, Layout, PerAxis, Precision, Recipe};
 pub enum Size {
     /// The presets and a few recipes around them.
     Quick,
-    /// Enough to calibrate predictions.
+    /// Enough recipes to calibrate predictions.
     Full,
 }
 
@@ -101,7 +101,7 @@ pub fn family(base: &Recipe, size: Size, entry_limit: u64) -> Vec<Recipe> {
     found.recipes
 }
 
-/// The recipe with the effort of `fit`. It keeps the seed and solver of the base.
+/// The recipe with the effort of `fit`. It keeps its metric, solver, seed and simplex.
 fn with_fit(recipe: &Recipe, fit: FitSettings) -> Recipe {
     let FitSettings { metric, solver, seed, simplex, .. } = recipe.fit;
     Recipe { fit: FitSettings { metric, solver, seed, simplex, ..fit }, ..recipe.clone() }

@@ -19,7 +19,7 @@ mod table;
 pub use family::{Size, family};
 pub use fitted_recipe::{FittedRecipe, Measurement, POINTS, rows};
 pub use front::{Fronts, front};
-pub use model::{LIGHTS, ModelRow, ModelRows, fitted_gaussians, stands_for_ltc};
+pub use model::{LIGHTS, ModelRow, ModelRows, fitted_gaussians, represents_ltc};
 pub use picture::picture;
 pub use prediction::{OffBy, off_by};
 pub use table::{csv, json};

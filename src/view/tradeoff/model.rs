@@ -91,9 +91,9 @@ fn line(name: &str, cells: [String; 8]) -> String {
 }
 
 /// Whether a recipe's table represents model `ltc`: it has the base's resolution and precision, and the effort of
-/// preset `paper`. A family has such a table for the base's layout, and a full family has one for each layout.
+/// preset `paper`. A family has such a table for the base's layout, and a full family has one for each of its layouts.
 #[must_use]
-pub fn stands_for_ltc(base: &Recipe, recipe: &Recipe) -> bool {
+pub fn represents_ltc(base: &Recipe, recipe: &Recipe) -> bool {
     let effort = |fit: &FitSettings| (fit.samples, fit.directions, fit.steps);
     let is_paper = effort(&recipe.fit) == effort(&Preset::Paper.fit());
     is_paper && (recipe.resolution, recipe.precision) == (base.resolution, base.precision)
@@ -126,7 +126,7 @@ pub(super) mod tests {
             let base = parse(document.as_bytes(), DEFAULT_ENTRY_LIMIT).expect("a recipe");
             let layouts = |size| -> Vec<Layout> {
                 let recipes = family(&base, size, DEFAULT_ENTRY_LIMIT);
-                recipes.iter().filter(|recipe| stands_for_ltc(&base, recipe)).map(|recipe| recipe.layout).collect()
+                recipes.iter().filter(|recipe| represents_ltc(&base, recipe)).map(|recipe| recipe.layout).collect()
             };
             assert_eq!(layouts(Size::Quick), [base.layout]);
             let any_range = Layout::ALL.iter().filter(|of| of.only_ranges().is_none() && !of.is_of_materials());

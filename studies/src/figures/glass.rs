@@ -16,7 +16,7 @@ const SURFACES: [[f64; 2]; 3] = [[0.1, 0.1], [0.35, 0.35], [0.5, 0.06]];
 /// Half the side of the visible surface, and the height of the eye above its centre.
 const HALF: f64 = 1.0;
 const EYE: f64 = 2.5;
-/// The factor on the difference in the picture.
+/// The picture shows differences multiplied by this factor.
 const STRONGER: f32 = 100.0;
 
 /// A lamp inside the glass: its corners and its basic radiance.

@@ -1,6 +1,6 @@
 //! Figure 3: artefacts, each from one missing remedy.
 //!
-//! Our solver makes none of these artefacts. It starts at the lobe, it does not rotate the cosine under a matrix, and
+//! Our solver makes none of these artefacts. It starts at the lobe, its matrices contain no rotation of the cosine, and
 //! its samples are as symmetric as the lobe. Therefore each matrix of (b) is rotated by a different angle, as a solver
 //! of nine numbers may do. The published gradient descent fits (a) and (c). It starts far from the lobe, and its
 //! samples are random.
@@ -98,8 +98,8 @@ fn inverted(stored: &[f32; 9]) -> [f32; 9] {
     row_major(&from_row_major(&stored.map(f64::from)).inverse()).map(|x| x as f32)
 }
 
-/// A table for the glossy material that stores the results of lookups in another table, at many views. Shaders read
-/// matrices, so this function also reads tables of inverses.
+/// A table for the glossy material that stores the results of lookups in another table, at many views. `matrix` returns
+/// the `M` of a result, because the other table may store inverses, and shaders expect `M`.
 fn read_finely(table: &Table, matrix: impl Fn(&[f64; 9]) -> DMat3) -> Result<Table, FigureError> {
     let Material { alpha_x, alpha_y, .. } = GLOSSY;
     let ratio = alpha_y / alpha_x;

@@ -11,7 +11,7 @@ use crate::gpu_costs::Program;
 
 /// Lights per pixel, as in [`MAIN`].
 const LIGHTS: u32 = 16;
-/// Light must reach at least this part of the pixels. Otherwise the shader did nothing.
+/// Light must reach at least this part of the pixels. Otherwise the study reports an error.
 const LEAST_LIT: f64 = 0.5;
 /// A rectangle on the floor that faces the camera. The camera is at the origin.
 const LIGHT: [[f32; 4]; 4] =

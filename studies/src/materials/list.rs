@@ -18,7 +18,7 @@ pub(super) struct Material {
     /// The name in the picture.
     pub(super) name: &'static str,
     pub(super) base: Base,
-    /// Roughness and transmittance of a dielectric coat. For plastic, the coat is its own surface.
+    /// Roughness and transmittance of a dielectric coat. The coat of plastic is the surface of the plastic itself.
     pub(super) coat: Option<(f64, [f64; 3])>,
     /// Roughness and colour of fuzz.
     pub(super) fuzz: Option<(f64, [f64; 3])>,

@@ -19,7 +19,7 @@ use ltcforge_light::{
     truth_within,
 };
 
-/// The tolerance of the truth per part of an edge: a tenth of the last digit in a picture.
+/// The tolerance of the truth per part of an edge: a tenth of the last digit of the errors in the picture.
 pub(super) const TRUTH_TOLERANCE: f64 = 1e-6;
 /// Sample points for the true albedo of a coat.
 const ALBEDO_POINTS: usize = 4096;

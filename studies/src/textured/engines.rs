@@ -1,8 +1,8 @@
 //! How engines read a picture on a light, from their sources: with one read each, in the space of the cosine.
 //!
-//! In this study, all of them read the prefiltered picture of docs/textured.md, at the level with the blur of their own
-//! prefilter. The study compares the position and the width of these reads. Blurs are standard deviations along an
-//! axis, in texels of a level.
+//! In this study, all of them read the prefiltered picture of docs/textured.md, at the level whose blur equals that of
+//! their own prefilter. The study compares the position and the width of these reads. Blurs are standard deviations
+//! along an axis, in texels of a level.
 
 use std::f64::consts::PI;
 

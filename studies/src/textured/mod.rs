@@ -44,7 +44,7 @@ type Way<'a> = Box<dyn Fn(&Case) -> Vec<f64> + Sync + 'a>;
 /// The table of docs/textured.md, with `lights` cases per set.
 ///
 /// # Errors
-/// None, because preset `paper` is a recipe.
+/// None, because both recipes are valid.
 pub fn tables(lights: usize) -> Result<String, ltcforge::Error> {
     let table = fitted(&Recipe::builder().preset(Preset::Paper).build()?);
     let isotropic = fitted(&Recipe::builder().preset(Preset::Paper).layout(Layout::Ltc2017).build()?);

@@ -1,4 +1,4 @@
-//! The functions of the shader texts, in f32 as on a GPU.
+//! Twins of shader functions, in f32 as on a GPU.
 
 use glam::Mat3;
 use ltcforge::{

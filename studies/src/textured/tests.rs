@@ -63,7 +63,7 @@ fn errors_agree_with_the_document() {
     assert!(outside.is_empty(), "{outside:#?}");
 }
 
-/// Like `jumps_along_random_paths_are_small` of the core for `normals`: the test bisects paths to find jumps.
+/// Bisects random paths to find jumps, as `jumps_along_random_paths_are_small` of the library does for `normals`.
 #[test]
 fn tables_jump_only_by_rounding_errors() {
     let pyramid = &Pictures::new([128, 128]).pyramids[0];

@@ -23,8 +23,8 @@ pub struct TabulatedAxes {
     /// Polar angle of the light direction, radians, from 0 to pi/2.
     pub theta_i: Vec<f64>,
     /// Azimuth of the light relative to the view, radians. For isotropic surfaces it ranges from 0 (same side as the
-    /// view) to pi. With `phi_o` it turns in the same direction as `phi_o` and ranges from 0 to 2 pi, with nodes
-    /// symmetric about pi.
+    /// view) to pi. In files with `phi_o` it turns in the same direction as `phi_o` and ranges from 0 to 2 pi, with
+    /// nodes symmetric about pi.
     pub phi: Vec<f64>,
 }
 

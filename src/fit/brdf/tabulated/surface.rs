@@ -139,7 +139,7 @@ impl Brdf for TabulatedSurface {
         drawn.extend(points.iter().map(|point| inverse.sample(point.u)));
     }
 
-    /// `f cos / E`: samples are proportional to the reflected light.
+    /// `f cos / E`: the density is proportional to the reflected light.
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         let albedo = self.data.albedo(self.place(self.mirrored(wo).to_file(wo)));
         if albedo > 0.0 { self.eval_cos(wo, wi) / albedo } else { 0.0 }
@@ -156,7 +156,7 @@ struct Inverse<'a> {
     corners: Vec<(usize, f64)>,
     /// The integral over `phi` at each node of `theta_i`.
     rings: Vec<f64>,
-    /// The light reflected below each node of `theta_i`; on one side only for isotropic surfaces.
+    /// The light reflected at polar angles up to each node of `theta_i`; for isotropic surfaces, on one side only.
     below: Vec<f64>,
 }
 
@@ -197,8 +197,8 @@ impl<'a> Inverse<'a> {
         BrdfSample { wi, weight, cos_theta_d: cos_theta_d(self.wo, wi) }
     }
 
-    /// The polar angle below which `wanted` light is reflected on one side, and its position among the nodes. Solved
-    /// with Newton's method on [`mass_below`], within bounds.
+    /// The polar angle up to which the light `wanted` is reflected, counted as in `below`, and its position among the
+    /// nodes. Solved with Newton's method on [`mass_below`], within bounds.
     fn polar_angle(&self, wanted: f64) -> (f64, Cell) {
         let nodes = &self.data.axes().theta_i;
         let next = self.below.partition_point(|below| *below <= wanted).clamp(1, nodes.len() - 1);

@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 
 use crate::math::cosine_hemisphere;
 
-/// A Linearly Transformed Cosine: directions `M c / |M c|` for `c` with density `max(c.z, 0) / pi` [Heitz 2016].
+/// A Linearly Transformed Cosine: directions `M c / |M c|` for `c` with density `max(c.z, 0) / pi` [Heitz et al. 2016].
 ///
 /// For every rotation `R` about z and every flip of x or y, `M R` has the same distribution as `M`. The same is true of
 /// `s M` for every `s > 0`.
@@ -40,8 +40,8 @@ impl Ltc {
         self.inverse
     }
 
-    /// Density at the unit vector `wi`, per steradian: `D_o(M^-1 wi / |M^-1 wi|) |det M^-1| / |M^-1 wi|^3`
-    /// [KT et al. 2022, equation 7].
+    /// Density at the unit vector `wi`, per steradian: `D(M^-1 wi / |M^-1 wi|) |det M^-1| / |M^-1 wi|^3` with the
+    /// clamped cosine `D(c) = max(c.z, 0) / pi` [KT et al. 2022, equation 7].
     #[must_use]
     pub fn pdf(&self, wi: DVec3) -> f64 {
         let c = self.inverse * wi;

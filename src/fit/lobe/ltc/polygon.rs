@@ -122,7 +122,8 @@ impl<T: Scalar> Clip<T> {
 impl Ltc {
     /// The part of the distribution over a convex polygon seen from the origin, in [0, 1].
     ///
-    /// `I(P) = I_cosine(M^-1 P)` [Heitz 2016, section 3]. Zero for fewer than three vertices. Domain: finite vertices.
+    /// `I(P) = I_cosine(M^-1 P)` [Heitz et al. 2016, section 3]. Zero for fewer than three vertices. Domain: finite
+    /// vertices.
     #[must_use]
     pub fn polygon(&self, vertices: &[DVec3], sides: Sides) -> f64 {
         let inverse = self.inverse();

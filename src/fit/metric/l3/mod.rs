@@ -31,7 +31,7 @@ use crate::{
     stop_check::StopCheck,
 };
 
-/// A coarse evaluation takes one of `COARSE` samples, but at least `LEAST_COARSE` samples.
+/// A coarse evaluation takes one in `COARSE` samples, but at least `LEAST_COARSE` samples.
 const COARSE: usize = 8;
 const LEAST_COARSE: usize = 64;
 /// Work of a sample of the LTC, in units of a projection of a sample on a direction. It covers the BRDF and its

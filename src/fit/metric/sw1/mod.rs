@@ -32,7 +32,8 @@ use crate::{
 
 /// The number of directions whose gradients are added to the samples together.
 const GROUP: usize = 4;
-/// A coarse evaluation takes every n-th sample and every n-th direction, but at least [`LEAST_COARSE`] samples.
+/// A coarse evaluation takes one in `COARSE_SAMPLES` samples, but at least [`LEAST_COARSE`], and one in
+/// [`COARSE_DIRECTIONS`] directions.
 const COARSE_SAMPLES: usize = 4;
 const COARSE_DIRECTIONS: usize = 2;
 const LEAST_COARSE: usize = 64;
@@ -96,7 +97,7 @@ impl Distance for SlicedWasserstein {
 struct SlicedLoss<'a> {
     samples: &'a [CosineSamples; 2],
     slices: Vec<Slice>,
-    /// Mean standard deviation of the target over the directions. It is the unit of losses.
+    /// Mean width of the target's core over the directions. It is the unit of losses.
     spread: f64,
     buffers: &'a mut Buffers,
 }

@@ -8,7 +8,8 @@ use crate::math::{Lattice, cosine_hemisphere};
 /// Each sum is split into this many partial sums, over every eighth term. The number is fixed, so the order of
 /// additions does not depend on the processor's vector width.
 pub(super) const LANES: usize = 8;
-/// Fixed samples of the clamped cosine, with one array for each coordinate. Arrays are padded to whole [`LANES`].
+/// Fixed samples of the clamped cosine, with one array for each coordinate. Arrays are padded to a multiple of
+/// [`LANES`].
 #[derive(Debug, Clone)]
 pub(super) struct CosineSamples {
     pub(super) count: usize,

@@ -37,10 +37,10 @@ use crate::{
     stop_check::StopCheck,
 };
 
-/// BFGS stops when two steps in a row reduce the loss by less than this fraction. This takes about 7 evaluations. With
-/// a tenth of this limit, a table's error is only 0.1 % smaller.
+/// BFGS stops when two steps in a row reduce the loss by less than this fraction. This takes about 7 full evaluations.
+/// With a tenth of this limit, a table's error is only 0.1 % smaller.
 const RELATIVE_DECREASE: f64 = 1e-3;
-/// Evaluations until BFGS has converged. Eight coarse evaluations count as one.
+/// Evaluations until BFGS has converged, including coarse evaluations. Eight coarse evaluations count as one.
 const EVALUATIONS: u32 = 9;
 /// The element of [`curvature`] for the slope, in units of the lobe's width.
 const SLOPE_CURVATURE: f64 = 8.0;

@@ -118,8 +118,8 @@ mod tests {
     }
 
     /// Tests short edges near the centre of lobes, many at grazing angles. If the angle is small, a rounding error must
-    /// not add a whole turn. (An edge through the exact centre can pass on its other side in f32. The angle there is
-    /// pi.)
+    /// not add a whole turn. (In f32, an edge through the exact centre, where the angle is pi, can pass on the other
+    /// side of the centre.)
     #[test]
     fn short_edges_have_no_whole_turns_in_f32() {
         let fraction = |i: u32, step: f64| (f64::from(i) * step).fract();

@@ -42,7 +42,7 @@ export function tradeoff( signal ) {
 
 	}
 
-	// After an error the chart stays empty. The forecast shows the error.
+	// After an error the chart lacks tables. The forecast shows errors of the service.
 	load().catch( () => {} );
 
 	function show( expected ) {

@@ -38,7 +38,7 @@ const RESULTS: &str = "
     SELECT task, result FROM ltcforge.tasks
     WHERE submission = $1 AND task >= $2 AND task < $3 AND state = 'finished' AND result IS NOT NULL ORDER BY task";
 
-/// Sets lost shards back to waiting. `$1` submission, `$2` lost shards, `$3` the assembly.
+/// Sets lost shards back to waiting, and the assembly to blocked. `$1` submission, `$2` lost shards, `$3` the assembly.
 const LOSE: &str = "
     UPDATE ltcforge.tasks SET state = CASE WHEN is_assembly THEN 'blocked' ELSE 'waiting' END, result = NULL,
         lease_until = NULL, lease = NULL

@@ -101,8 +101,8 @@ impl FrameLight {
         (direction, if self.faces(facing) { density } else { 0.0 })
     }
 
-    /// Whether only points of the light give directions towards it, because no direction from a lobe hits a line
-    /// exactly.
+    /// Whether the light is a line. Directions to a line are sampled only by its points, because no direction from a
+    /// lobe hits it exactly.
     pub(super) fn is_line(&self) -> bool {
         matches!(self.shape, FrameShape::Line { .. })
     }

@@ -65,8 +65,8 @@ impl Inverse {
         }
     }
 
-    /// The transform into the space of the clamped cosine. It starts in the space that `to_local` transforms into the
-    /// tangent frame. `None` if nothing is lit. Twin of `ltc_shapes.wgsl`.
+    /// The transform from the space of the scene into the space of the clamped cosine. `to_local` transforms from the
+    /// space of the scene into the tangent frame. `None` if nothing is lit. Twin of `ltc_shapes.wgsl`.
     pub(super) fn cosine_space(&self, to_local: Mat3) -> Option<CosineSpace<f32>> {
         let to_cosine = self.m * to_local;
         (self.side != 0.0).then(|| CosineSpace::new(to_cosine.transpose().to_cols_array_2d()))

@@ -52,7 +52,7 @@ pub(super) fn pixel(frame: &Frame, table: &ShaderTable, estimator: Estimator, at
     }
 }
 
-/// The cell whose surface covers at least a part of a pixel.
+/// The cell whose surface covers at least a part of a pixel. `None` if a light in front of the surface does so too.
 pub(in crate::preview) fn covering(frame: &Frame, pixel: [u32; 2]) -> Option<usize> {
     let (place, cell) = place_of(frame, pixel);
     hit_at(frame, place, cell).filter(|hit| !textured::covers(frame, place, hit.distance)).map(|_| cell as usize)

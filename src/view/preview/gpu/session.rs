@@ -18,7 +18,8 @@ pub(in crate::preview) struct Gpu {
 #[derive(Debug)]
 pub(super) struct Open {
     pub(super) device: Device,
-    /// The last table and picture, and the buffers of the last frame. Most pictures use the same table and buffers.
+    /// The last table and picture, and the buffers of the last frame. Most pictures use the same table and buffers as
+    /// the picture before.
     table: Option<(Arc<ShaderTable>, wgpu::BindGroup)>,
     picture: Option<(Option<Arc<LightPicture>>, wgpu::BindGroup)>,
     target: Option<RenderTarget>,

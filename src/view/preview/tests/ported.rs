@@ -283,7 +283,7 @@ fn the_shader_of_a_gaussian_lights_equivalent_scenes_equally() {
         let variants: Vec<(usize, Lit)> = scenes
             .iter()
             .enumerate()
-            .flat_map(|(k, scene)| scene.tellings().step_by(7).map(move |lit| (k, lit)))
+            .flat_map(|(k, scene)| scene.variants().step_by(7).map(move |lit| (k, lit)))
             .collect();
         let words: Vec<[f32; 40]> = variants
             .iter()

@@ -1,5 +1,5 @@
-//! The effect of a shear on a clamped cosine, and on LTCs fitted to GGX: their fronts, and their backs behind the
-//! surface's normal.
+//! The effect of a shear on a clamped cosine, and on LTCs fitted to GGX: whole lobes, and their magnified backs on the
+//! viewer's side of the normal.
 
 use std::f64::consts::PI;
 
@@ -107,7 +107,7 @@ fn cosines_over(shear: Shear) -> Picture {
 /// A lobe of GGX on the right, and its LTC. The picture is as wide as `part` of the peak.
 fn lobes(shear: Shear, alpha: f64, theta: f64, part: f64) -> Picture {
     let (ggx, wo) = (Ggx { alpha_x: alpha, alpha_y: alpha }, direction(theta, 0.0));
-    // The view is on the right, and lobes are mirrored to the right.
+    // The view is on the right and the lobes on the left. They are drawn mirrored, on the right.
     let mirrored = |w: DVec3| DVec3::new(-w.x, 0.0, w.z);
     let reflected: Vec<(DVec3, f64)> = around().map(|(_, w)| (w, ggx.eval_cos(wo, mirrored(w)))).collect();
     let peak = reflected.iter().map(|(_, f)| *f).fold(0.0, f64::max);
