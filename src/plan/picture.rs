@@ -159,7 +159,7 @@ fn draw_front(out: &mut Vec<String>, plan: &TablePlan<'_>) {
             out.push(format!(r#"<circle class="whole" cx="{x:.1}" cy="{y:.1}" r="3"><title>{title}</title></circle>"#));
         }
     }
-    let words = format!("stays with {}", plan.limit_stays_with());
+    let words = format!("remains with {}", plan.limit_remains_with());
     out.push(text("end", left + width - 8.0, y(plan.limit) + 16.0, &words));
 }
 

@@ -175,7 +175,7 @@ impl<'a> TablePlan<'a> {
     }
 
     /// The settings that cannot reduce the error of [`TablePlan::limit`].
-    pub(crate) fn limit_stays_with(&self) -> &'static str {
+    pub(crate) fn limit_remains_with(&self) -> &'static str {
         let is_of_one_size = self.chosen.recipe.layout.only_ranges().is_some();
         if is_of_one_size { "any samples and directions" } else { "any number of nodes" }
     }

@@ -64,7 +64,7 @@ fn words_of(plan: &TablePlan<'_>) -> Vec<String> {
         effort_in_words(&recipe.fit),
         chosen.seconds,
         chosen.error,
-        plan.limit_stays_with()
+        plan.limit_remains_with()
     )];
     lines.extend(lobes_in_words(plan));
     let error = whole.known_error();

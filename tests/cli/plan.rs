@@ -121,6 +121,22 @@ fn a_plan_for_an_engine_has_its_layout_and_its_files() {
 }
 
 #[test]
+#[ignore = "make test-all runs it"]
+fn a_plan_with_two_lobes_is_fitted_in_the_layout_of_three() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
+    fs::write(here.join("scene.json"), LIST).expect("a list");
+    let plan = ["--json", "plan", "scene.json", "--bytes", "100000", "--fit", "--for", "three", "-o", "ltc"];
+    let report = json_of(run(here, plan).exited(0).stdout.as_bytes());
+    let table = &report["plan"]["tables"][0];
+    assert_eq!(table["recipe"]["layout"], json!("ltc2017"));
+    assert_eq!(table["measured"]["bytes"], json!(90_112));
+    let files: Vec<&str> = report["files"].as_array().expect("files").iter().filter_map(Value::as_str).collect();
+    assert!(files.iter().all(|file| here.join(file).exists()), "{files:?}");
+    assert!(files.iter().any(|file| file.ends_with("ltc.js")), "{files:?}");
+}
+
+#[test]
 fn seconds_are_a_budget_and_take_less_effort() {
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();

@@ -60,7 +60,7 @@ fn a_glb_of_textures_coats_and_a_camera_is_fitted_and_measured() {
     assert_eq!(presets[2]["error"], table["whole"]["error"]);
     assert!(number(&table["measured"]["seconds_off_by"]) > 0.0);
     let picture = fs::read_to_string(here.join("ltc/plan.svg")).expect("a picture");
-    assert!(picture.contains("stays with any number of nodes") && picture.contains("whole domain, preset standard"));
+    assert!(picture.contains("remains with any number of nodes") && picture.contains("whole domain, preset standard"));
 }
 
 /// The layout of a planned recipe is one that the engine supports, and its table can be exported to the engine.
@@ -76,8 +76,8 @@ fn a_plan_for_each_engine_can_be_exported_to_it() {
             run(here, ["plan", "scene.json", "--for", name, "-o", name]).exited(0);
             let mut recipe = json_of(&fs::read(here.join(name).join("recipe.json")).expect("a recipe"));
             let picture = fs::read_to_string(here.join(name).join("plan.svg")).expect("a picture");
-            let stays = if engine.layout().is_some() { "any samples and directions" } else { "any number of nodes" };
-            assert!(picture.contains(&format!("stays with {stays}")), "{name}");
+            let rest = if engine.layout().is_some() { "any samples and directions" } else { "any number of nodes" };
+            assert!(picture.contains(&format!("remains with {rest}")), "{name}");
             // The least effort gives a table of the same form.
             recipe["fit"]["samples"] = json!(32);
             recipe["fit"]["directions"] = json!(4);

@@ -49,7 +49,7 @@ pub enum CompactError {
         layout: String,
     },
     /// The form stores lobes relative to a reflection, and the lobes of the scattering model do not follow it.
-    #[error("the compact form stores lobes relative to a reflection, and lobes of brdf {brdf} do not follow it")]
+    #[error("the compact form stores lobes relative to the reflection, but lobes of brdf {brdf} do not follow it")]
     Reflection {
         /// The scattering model.
         brdf: BrdfKind,

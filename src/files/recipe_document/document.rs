@@ -213,7 +213,7 @@ fn read_layout(root: &Object, brdf: &BrdfModel, lobe: LobeModel, faults: &mut Fa
         )
     } else {
         format!(
-            "layout \"{layout}\" stores lobes relative to a reflection, and lobes of brdf \"{brdf}\" do not follow it; layouts \
+            "layout \"{layout}\" stores lobes relative to the reflection, but lobes of brdf \"{brdf}\" do not follow it; layouts \
              for these lobes: {others}"
         )
     };

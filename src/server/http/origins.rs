@@ -253,7 +253,7 @@ mod tests {
         for host in ["", "http://farm", "farm/", "a b", "user@farm", "farm:port", "farm:"] {
             assert!(host.parse::<AllowedHost>().is_err(), "{host}");
         }
-        for origin in ["", "farm", "https://", "https://farm/", "null", "*", "https://a@farm"] {
+        for origin in ["", "ltc", "https://", "https://ltc/", "null", "*", "https://a@ltc"] {
             assert!(origin.parse::<AllowedOrigin>().is_err(), "{origin}");
         }
     }

@@ -83,7 +83,7 @@ pub static PARAMETERS: [Parameter; 30] = [
     numbers("light_half_size", "Half width, height (tube: length, radius)", "X,Y", RADII, [1e-3, PLACE], |s| {
         &mut s.light.half_size
     }),
-    numbers("light_rotation", "Rotation from facing the origin", "YAW,PITCH,ROLL", RAD, TURN, |s| {
+    numbers("light_rotation", "Rotation; at zero the light faces the origin", "YAW,PITCH,ROLL", RAD, TURN, |s| {
         &mut s.light.rotation
     }),
     number!("light_intensity", "Radiance of the light", None, [0.0, 1e4], light.intensity),
