@@ -120,10 +120,21 @@ impl Files {
     /// Updates the catalogue: adds rows for files without a row, and removes rows without a file. Returns whether all
     /// changes could be stored.
     fn list_from_disk(&self) -> Result<bool, StoreError> {
+        let (mut is_complete, lost) = self.list_new_files()?;
+        for digest in lost {
+            tracing::warn!(%digest, "the file is missing; removing its row from the catalogue");
+            let removed = self.catalogue.removal(digest).and_then(|batch| self.catalogue.rows.commit(&batch));
+            is_complete &= removed.is_ok();
+        }
+        Ok(is_complete)
+    }
+
+    /// Adds rows for files without a row. Returns whether all rows could be stored, and the rows without a file.
+    pub(super) fn list_new_files(&self) -> Result<(bool, BTreeSet<ltcforge_files::digest::Digest>), StoreError> {
         let blobs = self.blobs.list()?;
         let mut rows: BTreeSet<_> = self.catalogue.tables()?.into_iter().map(|row| row.digest).collect();
         rows.extend(self.catalogue.brdfs()?.into_iter().map(|row| row.digest));
-        let (mut added, mut lost, mut is_complete) = (0_usize, 0_usize, true);
+        let mut is_complete = true;
         for blob in blobs {
             if rows.remove(&blob.digest) {
                 continue;
@@ -138,18 +149,9 @@ impl Files {
                 }
             };
             is_complete &= self.catalogue.rows.commit(&batch).is_ok();
-            added += 1;
+            tracing::warn!(blob = %blob.digest, "the file was not in the catalogue; adding it");
         }
-        for digest in rows {
-            tracing::warn!(%digest, "the file is missing; removing its row from the catalogue");
-            let removed = self.catalogue.removal(digest).and_then(|batch| self.catalogue.rows.commit(&batch));
-            is_complete &= removed.is_ok();
-            lost += 1;
-        }
-        if added + lost > 0 {
-            tracing::warn!(added, lost, "the catalogue differed from the files and was corrected");
-        }
-        Ok(is_complete)
+        Ok((is_complete, rows))
     }
 
     /// The rows that describe a file. `None` if the file is neither a table nor a BRDF.

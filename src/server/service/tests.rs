@@ -241,14 +241,30 @@ fn a_deleted_table_is_unknown_until_it_is_fitted_again() {
 }
 
 #[test]
+fn a_brdf_stays_although_an_older_database_does_not_list_its_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let service = Service::open(config(folder.path())).unwrap();
+    let stored = service.store_brdf(&brdf(0.2)).unwrap().0.digest;
+    let table = fitted(&service, &of_brdf(stored));
+    let catalogue = &service.state.files.catalogue;
+    catalogue.rows.commit(&catalogue.removal(table).unwrap()).unwrap();
+    assert!(service.tables(None, 9).unwrap().items.is_empty());
+    assert!(matches!(service.delete_brdf(stored), Err(DeleteError::InUse(_))));
+    assert_eq!(service.tables(None, 9).unwrap().items.len(), 1);
+}
+
+fn of_brdf(stored: Digest) -> String {
+    format!(r#"{{"brdf": "tabulated", "tabulated": "{stored}", "resolution": {{"alpha": 2, "theta": 3}}}}"#)
+}
+
+#[test]
 fn a_brdf_that_a_recipe_names_stays_and_there_is_a_limit() {
     let folder = tempfile::tempdir().unwrap();
     let service = Service::open(Config { workers: 0, ..config(folder.path()) }).unwrap();
     let [first, second] = [0.2, 0.3].map(|alpha| service.store_brdf(&brdf(alpha)).unwrap().0.digest);
     assert!(matches!(service.store_brdf(&brdf(0.4)), Err(StoreBrdfError::TooMany(2))));
     assert!(service.store_brdf(&brdf(0.3)).unwrap().1, "a BRDF that is stored already does not count again");
-    let recipe =
-        format!(r#"{{"brdf": "tabulated", "tabulated": "{first}", "resolution": {{"alpha": 2, "theta": 3}}}}"#);
+    let recipe = of_brdf(first);
     let id = submitted(&service, &recipe);
     assert!(matches!(service.delete_brdf(first), Err(DeleteError::InUse(_))));
     service.delete_brdf(second).unwrap();
