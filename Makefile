@@ -22,10 +22,11 @@ export NODEVICE_SELECT := 1
 export XDG_RUNTIME_DIR ?= /tmp
 NATIVE_TARGET := $(or $(CARGO_TARGET_DIR),target)/native
 
-.PHONY: help demo release load lighthouse figures soak schemathesis test test-all test-units test-suites test-native lint lint-core lint-deny lint-deploy lint-manifests lint-alerts lint-dashboard lines fmt bench packages browser cluster clean
+.PHONY: help demo ready release load lighthouse figures soak schemathesis test test-all test-units test-suites test-native lint lint-core lint-deny lint-deploy lint-manifests lint-alerts lint-dashboard lines fmt bench packages browser cluster clean
 
 help:
 	@echo 'make demo    build, serve, fit a table over HTTP, download it by its digest'
+	@echo 'make ready   make the files of ready/ again'
 	@echo 'make release build, and write a list of the crates (CycloneDX)'
 	@echo 'make load    measure downloads against nginx, requests during fits, and 2,000 jobs; fails beyond the limits'
 	@echo 'make lighthouse  rate the page with Lighthouse'
@@ -47,6 +48,10 @@ packages:
 demo: packages
 	$(CARGO) build --release --locked -p ltcforge
 	@LTCFORGE="$(or $(CARGO_TARGET_DIR),target)/release/ltcforge" ./demo.sh
+
+ready: packages
+	$(CARGO) build --release --locked -p ltcforge
+	LTCFORGE="$(or $(CARGO_TARGET_DIR),target)/release/ltcforge" ready/make.sh ready
 
 # nginx for comparison, and clients that send requests as fast as possible or at a constant rate.
 LOAD_PACKAGES := nginx-light wrk apache2-utils hey

@@ -1,9 +1,12 @@
 //! The command-line arguments. A flag overrides its environment variable, a variable overrides the configuration file,
 //! and the file overrides the default.
 
-use std::{ffi::OsString, path::PathBuf};
+use std::{error, ffi::OsString, path::PathBuf};
 
-use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
+use clap::{
+    CommandFactory as _, FromArgMatches as _, Parser, Subcommand,
+    error::{ContextKind, ContextValue, ErrorKind},
+};
 use clap_complete::Shell;
 
 #[cfg(unix)]
@@ -49,8 +52,31 @@ impl Cli {
     /// # Errors
     /// When the arguments are invalid, or request the help or the version.
     pub fn from_args(arguments: impl Iterator<Item = OsString>) -> Result<Self, clap::Error> {
-        Self::from_arg_matches(&grouped().try_get_matches_from(arguments)?)
+        Self::from_arg_matches(&grouped().try_get_matches_from(arguments).map_err(explained)?)
     }
+}
+
+/// Replaces messages of the standard library by messages with an example, such as for `--bytes 20kB`.
+fn explained(error: clap::Error) -> clap::Error {
+    let context = |kind| match error.get(kind) {
+        Some(ContextValue::String(text)) => text.clone(),
+        _ => String::new(),
+    };
+    let (argument, value) = (context(ContextKind::InvalidArg), context(ContextKind::InvalidValue));
+    let source = error::Error::source(&error).map(ToString::to_string).unwrap_or_default();
+    let advice = match (error.kind(), &*source) {
+        (ErrorKind::UnknownArgument, _) if argument == "--preset" => {
+            "name the preset without a flag, as in ltcforge fit paper"
+        }
+        (_, text) if text.contains("digit") || text.contains("integer") || text.contains("number too") => {
+            "use a whole number without a unit, such as 20000"
+        }
+        (_, "invalid float literal" | "cannot parse float from empty string") => "use a number, such as 0.04",
+        (_, "invalid socket address syntax") => "use an address and a port, such as 127.0.0.1:8317",
+        _ => return error,
+    };
+    let of = if value.is_empty() { String::new() } else { format!("invalid value '{value}' for ") };
+    clap::Error::raw(error.kind(), format!("{of}'{argument}': {advice}\n"))
 }
 
 /// The commands that use the configuration file.
@@ -228,6 +254,43 @@ mod tests {
         }
     }
 
+    /// Gives `wrong` to every option of a command and of its subcommands, and collects the messages.
+    fn messages(command: &clap::Command, path: &str, wrong: &str, found: &mut Vec<(String, String)>) {
+        for flag in command.get_arguments().filter(|argument| argument.get_action().takes_values()) {
+            let Some(flag) = flag.get_long() else { continue };
+            let line = format!("{path} --{flag}={wrong}");
+            if let Err(error) = Cli::from_args(line.split(' ').map(OsString::from)) {
+                found.push((flag.to_owned(), error.to_string()));
+            }
+        }
+        for below in command.get_subcommands() {
+            messages(below, &format!("{path} {}", below.get_name()), wrong, found);
+        }
+    }
+
+    /// The messages of Rust's parsers, such as "invalid digit found in string", do not help a user.
+    #[test]
+    fn an_invalid_value_is_reported_with_its_option_and_an_example() {
+        let mut found = vec![];
+        for wrong in ["20kB", "", "-1", "99999999999999999999999"] {
+            messages(&Cli::command(), "ltcforge", wrong, &mut found);
+        }
+        for (flag, message) in &found {
+            let is_vague =
+                ["digit", "integer", "literal", "syntax", "string"].iter().any(|word| message.contains(word));
+            assert!(!is_vague || message.contains("such as"), "--{flag}: {message}");
+            assert!(message.contains("required") || message.contains(&format!("--{flag}")), "--{flag}: {message}");
+        }
+        for (flag, advice) in [("bytes", "such as 20000"), ("listen", "such as 127.0.0.1:8317"), ("f0", "such as 0.04")]
+        {
+            let said = |(of, message): &(String, String)| of == flag && message.contains(advice);
+            assert!(found.iter().any(said), "--{flag}: {advice}");
+        }
+        let words = ["ltcforge", "fit", "--preset", "paper"].map(OsString::from);
+        let error = Cli::from_args(words.into_iter()).expect_err("no flag").to_string();
+        assert!(error.contains("ltcforge fit paper"), "{error}");
+    }
+
     #[test]
     fn a_pin_has_a_table_and_sources_in_order() {
         let line = format!("ltcforge lock metal {} --to a/b --from http://h --from ../t", Digest::of(b""));
@@ -271,9 +334,7 @@ mod tests {
             "ltcforge export table --for three --layout kt2022 --container ktx2 -o out",
             "ltcforge export table --layout kt2022 -o out",
             "ltcforge export table --container compact",
-            "ltcforge export table --container compact --precision half -o out",
             "ltcforge export table --for three --container compact -o out",
-            "ltcforge export table --for three --precision half -o out",
             "ltcforge export table --layout kt2022 --container ktx2 --precision double -o out",
             "ltcforge light - --model sum",
             "ltcforge light - --rule most",

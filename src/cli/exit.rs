@@ -3,7 +3,7 @@
 use std::{fmt::Write as _, io, path::Path};
 
 use ltcforge_client::{ClientError, LockFileError, PullError, SourcesError};
-use ltcforge_files::recipe_document::RecipeError;
+use ltcforge_files::recipe_document::{Fault, RecipeError};
 
 /// The exit code of the process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -91,13 +91,14 @@ pub(super) fn file_failure(path: &Path, error: &dyn std::fmt::Display) -> Comman
 
 /// A failure that lists every fault of a recipe, one per line.
 pub(super) fn bad_recipe(name: &Path, error: RecipeError) -> CommandFailure {
-    let name = name.display();
+    let name = if name == Path::new("-") { "standard input".into() } else { name.to_string_lossy() };
     let message = match error {
         RecipeError::Json(detail) => format!("{name}: not JSON: {detail}"),
         RecipeError::Faults(faults) => {
-            let lines: Vec<String> =
-                faults.iter().map(|fault| format!("{name}: {}: {}", fault.pointer, fault.detail)).collect();
-            lines.join("\n")
+            let place =
+                |fault: &Fault| if fault.pointer.is_empty() { String::new() } else { format!("{}: ", fault.pointer) };
+            let lines = faults.iter().map(|fault| format!("{name}: {}{}", place(fault), fault.detail));
+            lines.collect::<Vec<String>>().join("\n")
         }
     };
     CommandFailure::new(Exit::Usage, message)

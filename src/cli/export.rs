@@ -52,9 +52,26 @@ pub struct ExportChoice {
     /// File format; `compact` formats take a few kilobytes
     #[arg(long, value_name = "NAME", value_parser = containers(), requires = "out", conflicts_with = "engine")]
     pub container: Option<AnyContainer>,
-    /// Number format: 16-bit half or 32-bit float [default: float]
-    #[arg(long, value_parser = precisions(), requires = "layout", conflicts_with = "engine")]
+    /// Number format: half or float, for --layout or --for wgpu [default: float]
+    #[arg(long, value_parser = precisions())]
     pub precision: Option<Precision>,
+}
+
+impl ExportChoice {
+    /// The choice with `--for wgpu --precision half` as one engine.
+    ///
+    /// # Errors
+    /// When `--precision` is given with another engine, or without textures.
+    pub(super) fn checked(&self) -> Result<Self, CommandFailure> {
+        let engine = match (self.engine, self.precision) {
+            (None, Some(_)) if self.layout.is_none() => Err("--precision needs --layout or --for wgpu".to_owned()),
+            (None, _) | (_, None) => return Ok(self.clone()),
+            (Some(Engine::Wgpu | Engine::WgpuHalf), Some(Precision::F32)) => Ok(Engine::Wgpu),
+            (Some(Engine::Wgpu | Engine::WgpuHalf), Some(Precision::F16)) => Ok(Engine::WgpuHalf),
+            (Some(other), _) => Err(format!("--for {other} has a fixed number format: leave out --precision")),
+        };
+        Ok(Self { engine: Some(engine.map_err(usage)?), precision: None, ..self.clone() })
+    }
 }
 
 /// A texture format, or a compact format of the table itself.
@@ -130,7 +147,7 @@ pub(super) fn run(args: &ExportArgs, context: &mut Context<'_>) -> Result<Exit, 
 /// # Errors
 /// When the layout is unknown or missing, or `--layout` or `--precision` is given for a compact form.
 pub(super) fn export_of(choice: &ExportChoice) -> Result<Export, CommandFailure> {
-    let ExportChoice { engine, layout, container, precision } = choice;
+    let ExportChoice { engine, layout, container, precision } = &choice.checked()?;
     match (*engine, layout, *container) {
         (Some(engine), _, _) => Ok(Export::Engine(engine)),
         (None, Some(layout), Some(AnyContainer::Textures(container))) => match TextureLayout::named(layout) {

@@ -242,7 +242,7 @@ fn asked_pin(args: &LockArgs, end: &str, pins: &mut Vec<Pin>, lock: &Path) -> Re
         if args.export.engine.is_none() && args.export.container.is_none() {
             return Err(usage("--out needs an export: add --for or --container"));
         }
-        let asked = asked_by(&args.export, out);
+        let asked = asked_by(&args.export, out)?;
         if !pin.exports.iter().any(|export| export.requests_same_as(&asked)) {
             pin.exports.push(asked);
         }

@@ -8,7 +8,7 @@ use std::{
 
 use serde_json::json;
 
-use super::{CommandFailure, file_failure, shown};
+use super::{CommandFailure, file_failure, shown, usage};
 use ltcforge_files::{
     digest::Digest,
     replace::{check_folder, folder_of, replace_file},
@@ -59,6 +59,19 @@ impl OutputFile {
             check_folder(folder).map_err(|error| refuse(&format!("cannot write to its folder: {error}")))?;
         }
         Ok(Self { path: path.to_owned(), destination })
+    }
+
+    /// Like [`Self::check`], for a command that writes PNG.
+    ///
+    /// # Errors
+    /// See [`Self::check`]; and when the name ends like that of another format.
+    pub(super) fn check_png(path: &Path) -> Result<Self, CommandFailure> {
+        match path.extension().map(|ending| ending.to_ascii_lowercase()) {
+            Some(ending) if ending != "png" && !path.starts_with("/dev") => {
+                Err(usage(format!("{}: pictures are PNG files; end the name in .png", path.display())))
+            }
+            _ => Self::check(path),
+        }
     }
 
     /// Writes the file. If writing fails, the old file stays unchanged.

@@ -102,16 +102,19 @@ impl Measured {
 }
 
 /// The pin of an export, without its files.
-pub(super) fn asked_by(choice: &ExportChoice, to: &Path) -> ExportPin {
-    let ExportChoice { engine, layout, container, precision } = choice;
-    ExportPin {
+///
+/// # Errors
+/// When `--precision` is given with an engine that has a fixed number format.
+pub(super) fn asked_by(choice: &ExportChoice, to: &Path) -> Result<ExportPin, CommandFailure> {
+    let ExportChoice { engine, layout, container, precision } = &choice.checked()?;
+    Ok(ExportPin {
         engine: engine.map(|engine| engine.name().to_owned()),
         layout: layout.clone(),
         container: container.map(|container| container.name().to_owned()),
         precision: precision.map(|precision| precision.name().to_owned()),
         to: to.to_owned(),
         file: vec![],
-    }
+    })
 }
 
 /// The export that a pin requests.

@@ -47,7 +47,7 @@ pub(super) fn run(args: &PlotArgs, context: &mut Context<'_>) -> Result<Exit, Co
     if args.name != PlotName::Error && (args.ratio.is_some() || args.phi.is_some()) {
         return Err(usage("--ratio and --phi are only for plot error; plot matrix shows every entry"));
     }
-    let out = OutputFile::check(&args.out)?;
+    let out = OutputFile::check_png(&args.out)?;
     let AnyTable { table, digest, path, .. } = AnyTable::read(&args.table)?;
     let plot = match args.name {
         PlotName::Error => {

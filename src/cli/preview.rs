@@ -94,7 +94,7 @@ impl FromArgMatches for SceneChoices {
 /// Renders a picture and writes it. Prints the adapter, the materials outside the table, and the errors of comparison
 /// modes to standard error, or as JSON to standard output.
 pub(super) fn run(args: &PreviewArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
-    let out = OutputFile::check(&args.out)?;
+    let out = OutputFile::check_png(&args.out)?;
     let mut scene = args.scene.0.clone().into_scene();
     if let Some(path) = &args.light_texture {
         scene.picture = ScenePicture::Image(Arc::new(read_picture(path)?));

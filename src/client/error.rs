@@ -170,6 +170,13 @@ impl ClientError {
         let detail =
             if problem.detail.is_empty() { "the server refused the request".to_owned() } else { problem.detail };
         match status {
+            401 => {
+                let host = url.split('/').take(3).collect::<Vec<_>>().join("/");
+                let detail = format!(
+                    "the service needs a valid token: set LTCFORGE_TOKEN='{host} TOKEN', or ask its operator for a token"
+                );
+                Self::Refused { url, status, detail, faults }
+            }
             502..=504 => Self::Unavailable { url, reason: format!("{detail} ({status})") },
             _ => Self::Refused { url, status, detail, faults },
         }
@@ -188,6 +195,14 @@ mod tests {
         assert_eq!(error.to_string(), "http://h/v1/jobs: 1 fault in the recipe (422)");
         assert!(matches!(error, ClientError::Refused { faults, .. } if faults.len() == 1));
         assert!(matches!(ClientError::status("u", 404, b"<html>"), ClientError::Refused { status: 404, .. }));
+    }
+
+    /// Users of the command line set a variable, not a header.
+    #[test]
+    fn a_missing_token_names_its_variable() {
+        let body = br#"{"detail":"the token is missing; send `Authorization: Bearer TOKEN`"}"#;
+        let error = ClientError::status("https://h:1/v1/jobs", 401, body).to_string();
+        assert!(error.contains("LTCFORGE_TOKEN='https://h:1 TOKEN'") && !error.contains("Bearer"), "{error}");
     }
 
     #[test]

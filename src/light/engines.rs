@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use super::{LightError, LitPoint, PolygonLight, by_table, rules::lit};
+use super::{LightError, LitPoint, PolygonLight, ReflectedLight, by_table, rules::lit};
 use ltcforge_fit::{
     Configuration, LEAST_ALPHA, Layout, Ltc, Sides, Table,
     brdf::{Brdf, Ggx},
@@ -42,7 +42,7 @@ impl EngineWay {
         }
     }
 
-    /// The light of a parallelogram that a surface reflects, for a Fresnel factor of one.
+    /// The light of a parallelogram that a surface reflects.
     ///
     /// Domain: a table of [`EngineWay::layout`], with terms; a light of four vertices.
     ///
@@ -50,7 +50,12 @@ impl EngineWay {
     /// [`LightError::Domain`] for a roughness outside [0, 1] or a view direction on or below the horizon,
     /// [`LightError::NoTerms`] for a table that is missing or has no terms, [`LightError::Singular`] for a singular
     /// matrix.
-    pub fn reflected(self, table: Option<&Table>, at: &Configuration, light: &PolygonLight) -> Result<f64, LightError> {
+    pub fn reflected(
+        self,
+        table: Option<&Table>,
+        at: &Configuration,
+        light: &PolygonLight,
+    ) -> Result<ReflectedLight, LightError> {
         let table = || table.ok_or(LightError::NoTerms);
         let mean = (at.alpha_x * at.alpha_y).sqrt();
         let isotropic = Configuration { alpha_x: mean, alpha_y: mean, ..*at };
@@ -64,23 +69,24 @@ impl EngineWay {
                 let vertices: Vec<DVec3> = light.vertices().iter().map(|v| stretch * *v).collect();
                 clipless(table()?, &Configuration { theta, phi, ..isotropic }, &vertices, light.sides())
             }
-            Self::Anisotropic => Ok(by_table(table()?, at, light)?.energy),
-            Self::RepresentativePoint => Ok(lit(at, light.into(), |at| [representative_point(at), 0.0])?.energy),
+            Self::Anisotropic => by_table(table()?, at, light),
+            Self::RepresentativePoint => lit(at, light.into(), representative_point),
         }
     }
 }
 
 /// Computes the light with a table, without cutting it at the lobe's horizon.
-fn clipless(table: &Table, at: &Configuration, vertices: &[DVec3], sides: Sides) -> Result<f64, LightError> {
+fn clipless(table: &Table, at: &Configuration, vertices: &[DVec3], sides: Sides) -> Result<ReflectedLight, LightError> {
     let found = table.lookup(at);
-    let amplitude = found.amplitude.ok_or(LightError::NoTerms)?;
+    let (amplitude, fresnel) = found.amplitude.zip(found.fresnel).ok_or(LightError::NoTerms)?;
     let ltc = Ltc::new(from_row_major(&found.matrix)).ok_or(LightError::Singular)?;
     if !faces(vertices, sides) {
-        return Ok(0.0);
+        return Ok(ReflectedLight::NONE);
     }
     let flux = ltc.vector_form_factor(vertices);
     let length = flux.length();
-    Ok(if length > 0.0 { amplitude * length * cheap_form_factor(flux.z / length, length) } else { 0.0 })
+    let covered = if length > 0.0 { length * cheap_form_factor(flux.z / length, length) } else { 0.0 };
+    Ok(ReflectedLight { energy: amplitude * covered, fresnel: fresnel * covered })
 }
 
 /// True if the origin is on a lit side. The vertices run clockwise as seen from the lit side.
@@ -93,11 +99,12 @@ fn volume(vertices: &[DVec3]) -> f64 {
     (vertices[1] - vertices[0]).cross(vertices[2] - vertices[0]).dot(vertices[0])
 }
 
-/// Computes the light from its point nearest to the ray of the mirrored view.
-fn representative_point(at: &LitPoint<'_, f64>) -> f64 {
+/// Computes the light from its point nearest to the ray of the mirrored view: energy, and energy weighted by Schlick's
+/// fifth power.
+fn representative_point(at: &LitPoint<'_, f64>) -> [f64; 2] {
     let vertices: Vec<DVec3> = at.vertices.iter().map(|v| DVec3::from_array(*v)).collect();
     if !faces(&vertices, at.sides) {
-        return 0.0;
+        return [0.0; 2];
     }
     let [corner, x, y] = [vertices[0], vertices[1] - vertices[0], vertices[3] - vertices[0]];
     let across = x.cross(y);
@@ -113,8 +120,10 @@ fn representative_point(at: &LitPoint<'_, f64>) -> f64 {
     let widened = |alpha: f64| (alpha + radius / (2.0 * centre.length())).min(1.0);
     let peak = at.alpha.iter().map(|alpha| alpha / widened(*alpha)).product::<f64>();
     let ggx = Ggx { alpha_x: at.alpha[0], alpha_y: at.alpha[1] };
-    let reflected = ggx.eval_cos(wo, point.normalize_or_zero()) * peak * solid_angle(&vertices);
-    reflected.clamp(0.0, 1.0)
+    let wi = point.normalize_or_zero();
+    let reflected = (ggx.eval_cos(wo, wi) * peak * solid_angle(&vertices)).clamp(0.0, 1.0);
+    let cosine = wo.dot((wo + wi).normalize_or_zero()).clamp(0.0, 1.0);
+    [reflected, reflected * (1.0 - cosine).powi(5)]
 }
 
 /// The solid angle of a parallelogram seen from the origin, from two triangles [Van Oosterom and Strackee 1983].
@@ -156,7 +165,7 @@ mod tests {
         let light = square(DVec3::new(0.2, 0.1, 1.0), 0.1, Sides::One);
         let exact = by_table(&table(), &AT, &light).expect("a table").energy;
         for way in [EngineWay::Clipless, EngineWay::Stretched, EngineWay::Anisotropic] {
-            let found = way.reflected(Some(&table()), &AT, &light).expect("a table");
+            let found = way.reflected(Some(&table()), &AT, &light).expect("a table").energy;
             assert!((found / exact - 1.0).abs() < 0.02, "{way}: {found}, {exact}");
         }
     }
@@ -168,7 +177,7 @@ mod tests {
             PolygonLight::new(reversed, sides).expect("a square")
         };
         for way in EngineWay::ALL {
-            let found = |sides| way.reflected(Some(&table()), &AT, &light(sides)).expect("a table");
+            let found = |sides| way.reflected(Some(&table()), &AT, &light(sides)).expect("a table").energy;
             assert_eq!(found(Sides::One), 0.0, "{way}");
             assert!(found(Sides::Two) > 1e-3, "{way}");
         }
@@ -188,8 +197,8 @@ mod tests {
         let light = square(DVec3::new(0.2, 0.1, 1.0), 0.1, Sides::One);
         let vertices = light.vertices().iter().map(|v| *v * DVec3::new(2.0, 0.5, 1.0)).collect();
         let wanted = PolygonLight::new(vertices, Sides::One).expect("a rectangle");
-        let found = EngineWay::Stretched.reflected(Some(&table()), &at, &light).expect("a table");
-        let wanted = EngineWay::Clipless.reflected(Some(&table()), &stretched, &wanted).expect("a table");
+        let found = EngineWay::Stretched.reflected(Some(&table()), &at, &light).expect("a table").energy;
+        let wanted = EngineWay::Clipless.reflected(Some(&table()), &stretched, &wanted).expect("a table").energy;
         assert!((found - wanted).abs() < 1e-12, "{found} {wanted}");
     }
 
@@ -198,8 +207,10 @@ mod tests {
         for at in [AT, Configuration { alpha_x: 0.5, alpha_y: 0.1, theta: 1.2, phi: 2.0 }] {
             let light = square(DVec3::new(-0.4, -0.2, 1.0), 1e-4, Sides::One);
             let found = EngineWay::RepresentativePoint.reflected(None, &at, &light).expect("a light");
-            let wanted = truth(&at, &light).expect("a light").energy;
-            assert!((found / wanted - 1.0).abs() < 2e-3, "{found} {wanted}");
+            let wanted = truth(&at, &light).expect("a light");
+            for [found, wanted] in [[found.energy, wanted.energy], [found.fresnel, wanted.fresnel]] {
+                assert!((found / wanted - 1.0).abs() < 2e-3, "{found} {wanted}");
+            }
         }
     }
 
@@ -210,7 +221,7 @@ mod tests {
         let light = square(DVec3::new(-wo.x, 0.0, wo.z), 0.2, Sides::One);
         let at = Configuration { alpha_x: 0.4, alpha_y: 0.4, theta: 0.5, phi: 0.0 };
         let away = Configuration { phi: PI, ..at };
-        let found = |at| EngineWay::RepresentativePoint.reflected(None, at, &light).expect("a light");
+        let found = |at| EngineWay::RepresentativePoint.reflected(None, at, &light).expect("a light").energy;
         assert!(found(&at) > 2.0 * found(&away) && found(&away) > 0.0, "{} {}", found(&at), found(&away));
     }
 }

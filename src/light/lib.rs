@@ -31,7 +31,7 @@ pub use error::LightError;
 pub use gaussians::{Gaussian, by_gaussian};
 pub use ltc::{AboveSurface, CosineSpace, TableUse, by_blend, by_table, by_table_as, edge_by_table};
 pub use materials::{AnisotropicRoughness, MaterialFaults, MaterialModel};
-pub use measure::{EVERYWHERE, RandomLights, light_error, light_error_by, material_error};
+pub use measure::{EVERYWHERE, RandomLights, light_error, light_error_by, material_error, material_error_by};
 pub use model::{ClosedForm, LightModel, Lighting};
 pub use normals::{NormalsRule, by_normals};
 pub use polygon::PolygonLight;

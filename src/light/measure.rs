@@ -131,6 +131,18 @@ pub fn light_error_by(
     errors(|at, light| Ok(reflected(at, light)?.energy), lights, |truth| truth.energy)
 }
 
+/// Like [`material_error`], for a function that returns the light of a surface.
+///
+/// # Errors
+/// The errors of `reflected`.
+pub fn material_error_by(
+    reflected: impl Fn(&Configuration, &PolygonLight) -> Result<ReflectedLight, LightError>,
+    lights: &RandomLights,
+    f0: f64,
+) -> Result<Spread, LightError> {
+    errors(|at, light| Ok(reflected(at, light)?.schlick(f0, 1.0)), lights, |truth| truth.schlick(f0, 1.0))
+}
+
 /// Absolute errors of a model. `wanted` selects the reference value.
 fn errors(
     reflected: impl Fn(&Configuration, &PolygonLight) -> Result<f64, LightError>,

@@ -1,7 +1,8 @@
 //! The comment in an exported file that describes its contents.
 
 use ltcforge_files::{digest::Digest, manifest::MeanError, recipe_document};
-use ltcforge_fit::{BrdfKind, Recipe};
+use ltcforge_fit::{BrdfKind, Recipe, ShaderAxes};
+use serde_json::{Value, json};
 
 /// The licence of the numbers. Tables are facts about a BRDF, and anyone may ship them without permission.
 const LICENCE: &str = "licence of the numbers: CC0-1.0";
@@ -18,6 +19,9 @@ const PAPERS: [&str; 2] = [
 /// The number of hexadecimal digits by which names identify a table.
 const DIGITS: usize = 8;
 
+/// The vectors of f32 in binding 0. Two vectors of u32 come before them.
+const FLOAT_VECTORS: [&str; 7] = ["start", "spacing", "per_step", "texel", "roughness", "cosines", "azimuths"];
+
 /// Lines of text for people. Each exported file contains them, if its format has room for comments. Lines have no
 /// control characters.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -27,6 +31,8 @@ pub struct About {
     /// The recipe in canonical JSON.
     recipe: Option<String>,
     layout: Option<&'static str>,
+    /// The words of binding 0, if the shader of `ltcforge shader` reads the textures.
+    uniform: Option<[u32; 36]>,
 }
 
 impl About {
@@ -75,6 +81,33 @@ impl About {
     #[must_use]
     pub fn of_layout(self, layout: &'static str) -> Self {
         Self { layout: Some(layout), ..self }
+    }
+
+    /// The same comment, for textures that the shader of `ltcforge shader` reads.
+    pub(super) fn for_shader(self, axes: &ShaderAxes) -> Self {
+        Self { uniform: Some(axes.words()), ..self }
+    }
+
+    /// The words of binding 0 of our shader, if it reads the textures.
+    pub(super) fn uniform(&self) -> Option<&[u32; 36]> {
+        self.uniform.as_ref()
+    }
+
+    /// The words of binding 0 as JSON: vectors by name, in order.
+    pub(super) fn uniform_json(&self) -> Option<Value> {
+        let [integers, floats] = [0, 8].map(|start| self.uniform.as_ref().map(|words| words[start..].chunks(4)));
+        let integers = ["nodes", "reading"].into_iter().zip(integers?).map(|(name, words)| (name, json!(words)));
+        let floats = FLOAT_VECTORS
+            .into_iter()
+            .zip(floats?)
+            .map(|(name, words)| (name, words.iter().map(|word| json!(f32::from_bits(*word))).collect()));
+        Some(
+            integers
+                .chain(floats)
+                .map(|(name, vector)| (name.to_owned(), vector))
+                .collect::<serde_json::Map<_, _>>()
+                .into(),
+        )
     }
 
     /// A suffix that distinguishes this table's names in code from those of other tables. It is the layout and the

@@ -10,7 +10,7 @@ use ltcforge_files::compact::{COMPACT_MAGIC, encode_lobes};
 use ltcforge_fit::{Precision, Table};
 
 /// The name of a file that contains all textures, without its extension.
-const STEM: &str = "ltc";
+pub(super) const STEM: &str = "ltc";
 /// The manifest's key for the name of an export that is not for an engine.
 const MANIFEST_KEY: &str = "export";
 
@@ -135,8 +135,7 @@ impl Export {
             Self::Engine(engine) => {
                 let layout = engine_textures(engine, table)?;
                 let textures = layout.textures(table)?;
-                let about = about.and(sampling_of(table, layout));
-                let made = engine.bundle(table.brdf(), &textures, &table.shader_axes(), &about);
+                let made = engine.bundle(table.brdf(), &textures, &described(about, table, layout));
                 let made = made.map(|bundle| with_search(bundle, table));
                 made.map_err(|source| match source {
                     TextureFileError::Missing { .. } => {
@@ -148,9 +147,10 @@ impl Export {
             }
             Self::Textures { layout, container, precision } => {
                 let textures = layout.textures(table)?;
-                let about = about.of_layout(layout.name()).and(sampling_of(table, layout));
+                let about = described(about.of_layout(layout.name()), table, layout);
                 let files = container.files(STEM, &textures, precision, &about).map_err(ExportError::Files)?;
-                Ok(Bundle { files, steps: vec![] }.with_manifest(MANIFEST_KEY, &self.to_string(), &about))
+                let bundle = with_search(Bundle { files, steps: steps(layout) }, table);
+                Ok(bundle.with_manifest(MANIFEST_KEY, &self.to_string(), &about))
             }
             Self::Compact(container) => {
                 container.check(table)?;
@@ -170,11 +170,14 @@ impl Export {
         let lobes = |bytes: Vec<u8>| vec![bytes; if table.second_matrices().is_some() { 2 } else { 1 }];
         let bundle = match self {
             Self::Engine(engine) => {
-                let textures = engine_textures(engine, table)?.rules().textures(table)?;
-                engine.bundle(table.brdf(), &textures, &table.shader_axes(), &about).map_err(ExportError::Files)?
+                let layout = engine_textures(engine, table)?;
+                let about = described(about, table, layout);
+                let textures = layout.rules().textures(table)?;
+                engine.bundle(table.brdf(), &textures, &about).map_err(ExportError::Files)?
             }
             Self::Textures { layout, container, precision } => {
                 layout.check(table)?;
+                let about = described(about, table, layout);
                 let textures = layout.rules().textures(table)?;
                 let files = container.files(STEM, &textures, precision, &about).map_err(ExportError::Files)?;
                 Bundle { files, steps: vec![] }.with_manifest(MANIFEST_KEY, &self.to_string(), &about)
@@ -203,6 +206,35 @@ impl Export {
         let bundle = Bundle { files: container.files_of_lobes(STEM, forms, about)?, steps: container.steps(STEM) };
         Ok(bundle.with_manifest(MANIFEST_KEY, container.name(), about))
     }
+}
+
+/// The comment with the sampling of the textures, and with binding 0 if our shader reads them.
+fn described(about: About, table: &Table, layout: TextureLayout) -> About {
+    let about = about.and(sampling_of(table, layout));
+    if layout.is_for_shader() { about.for_shader(&table.shader_axes()) } else { about }
+}
+
+/// How to use textures of a layout.
+fn steps(layout: TextureLayout) -> Vec<String> {
+    if layout.is_for_shader() {
+        return shader_steps(layout.sampling().textures.len() == 1);
+    }
+    let table = layout.sampling().table;
+    vec![format!(
+        "These are the textures of other renderers. The shader that ltcforge shader --layout {table} writes needs --layout {} instead.",
+        TextureLayout::of_shader(table)
+    )]
+}
+
+/// How to bind textures to the shader that `ltcforge shader` writes.
+pub(super) fn shader_steps(is_array: bool) -> Vec<String> {
+    let load = if is_array {
+        "Load the texture as a 2D array at binding 1 of the shader that ltcforge shader --texture-array writes."
+    } else {
+        "Load each texture as 3D, in the order of ltc.json, at bindings 1 to 3 of the shader that ltcforge shader writes."
+    };
+    let uniform = "Binding 0 is ltc_table of ltc.json, in the shader's order: nodes, reading, start, spacing, per_step, texel, roughness, cosines, azimuths; the first two u32, the others f32.";
+    [load, uniform].map(str::to_owned).into()
 }
 
 /// If the table's recipe lists its nodes, adds the step to use a shader with these nodes.

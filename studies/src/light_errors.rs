@@ -4,12 +4,12 @@
 use std::{error::Error, fmt::Write as _, fs, path::Path};
 
 use ltcforge::{
-    BrdfKind, BrdfModel, Configuration, LightError, LightModel, PerAxis, PolygonLight, Preset, Recipe,
-    RecipeDocument as _, ReflectedLight, Table,
+    BrdfKind, BrdfModel, Configuration, LightModel, PerAxis, PolygonLight, Preset, Recipe, RecipeDocument as _, Table,
     files::{container, tabulated::locate},
     fit::{FitSettings, Spread},
     light::{
         EVERYWHERE, Lighting, RandomLights, TableUse, engines::EngineWay, light_error, light_error_by, material_error,
+        material_error_by,
     },
     shaders::GpuCost,
     view::tradeoff::LIGHTS,
@@ -74,26 +74,31 @@ fn read(path: &Path) -> Result<TableAndRanges, Box<dyn Error>> {
     Ok((file.table, file.recipe.range))
 }
 
-/// A row for each method of engines and papers: errors with the lights of `tradeoff`, registers and instructions. The
-/// tables cover the whole domain.
+/// A row for each method of engines and papers: errors with the lights of `tradeoff`, as in [`rows`], registers and
+/// instructions. The tables cover the whole domain.
 ///
 /// # Errors
 /// None, because every method has its table.
 pub fn engines(effort: Preset) -> Result<String, Box<dyn Error>> {
     let FitSettings { samples, directions, steps, .. } = effort.fit();
     let lights = RandomLights::draw(&BrdfKind::Ggx.into(), &Recipe::builder().build()?.range, LIGHTS)?;
-    let mut out = "| way | mean | p95 | registers | instructions |\n|---|---|---|---|---|\n".to_owned();
+    let mut out = "| way | mean | p95 | of the light of F0 1 | .2 | .04 | registers | instructions |\n".to_owned();
+    out += "|---|---|---|---|---|---|---|---|\n";
     for way in EngineWay::ALL {
         let builder = || Recipe::builder().samples(samples).directions(directions).steps(steps);
         let recipe = way.layout().map(|layout| builder().layout(layout).build()).transpose()?;
         let table = recipe.as_ref().map(fitted);
-        let reflected = |at: &Configuration, light: &PolygonLight| -> Result<ReflectedLight, LightError> {
-            Ok(ReflectedLight { energy: way.reflected(table.as_ref(), at, light)?, fresnel: 0.0 })
-        };
+        let reflected = |at: &Configuration, light: &PolygonLight| way.reflected(table.as_ref(), at, light);
         let Spread { mean, p95, .. } = light_error_by(reflected, &lights)?;
+        let mut parts = format!("{:.1} %", 100.0 * mean / lights.mean_energy());
+        for f0 in MATERIALS {
+            let error = material_error_by(reflected, &lights, f0)?.mean / lights.mean_reflected(f0);
+            // Writing to a String cannot fail.
+            let _ = write!(parts, " | {:.1} %", 100.0 * error);
+        }
         let costs = GpuCost::of(way.name()).map(|cost| format!("{} | {}", cost.registers, cost.instructions));
-        // Writing to a String cannot fail.
-        let _ = writeln!(out, "| `{way}` | {} | {} | {} |", short(mean, 2), short(p95, 2), costs.unwrap_or_default());
+        let costs = costs.unwrap_or_default();
+        let _ = writeln!(out, "| `{way}` | {} | {} | {parts} | {costs} |", short(mean, 2), short(p95, 2));
     }
     Ok(out)
 }

@@ -1,6 +1,11 @@
 //! Exports a table to the files of engines with the binary.
 
-use std::{fs, path::Path};
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+};
 
 use ltcforge::{Digest, textures::TextureContainer};
 use serde_json::Value;
@@ -230,5 +235,42 @@ fn engines_get_tables_of_their_layouts() {
         let refused = run(here, ["export", table, "--for", other, "-o", "none"]).exited(2);
         assert!(refused.complaints()[0].contains(layout), "{}", refused.stderr);
         assert!(!here.join("none").exists());
+    }
+}
+
+/// All files below a folder, with paths relative to it.
+fn files_below(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(next) = folders.pop() {
+        for entry in fs::read_dir(next).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                let bytes = fs::read(&path).expect("a file");
+                found.insert(path.strip_prefix(folder).expect("a path below").to_owned(), bytes);
+            }
+        }
+    }
+    found
+}
+
+/// The files that people copy are those of this version: see `make ready`.
+#[test]
+fn the_ready_made_files_are_current() {
+    let ready = Path::new(env!("CARGO_MANIFEST_DIR")).join("ready");
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut command = Command::new(ready.join("make.sh"));
+    let made = command.arg(folder.path()).env("LTCFORGE", env!("CARGO_BIN_EXE_ltcforge")).output().expect("a shell");
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    let (made, mut kept) = (files_below(folder.path()), files_below(&ready));
+    assert!(kept.values().map(Vec::len).sum::<usize>() <= 600_000);
+    for written in ["README.md", "make.sh"] {
+        kept.remove(Path::new(written)).expect(written);
+    }
+    assert_eq!(made.keys().collect::<Vec<_>>(), kept.keys().collect::<Vec<_>>(), "run make ready");
+    for (path, bytes) in &made {
+        assert!(kept[path] == *bytes, "{}: run make ready", path.display());
     }
 }

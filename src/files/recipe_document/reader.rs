@@ -1,5 +1,7 @@
 //! Reads fields of a JSON object and notes every fault instead of stopping at the first.
 
+use std::f64::consts::FRAC_PI_2;
+
 use serde_json::{Map, Value};
 
 use super::fault::Fault;
@@ -45,7 +47,9 @@ impl<'a> Object<'a> {
             None => None,
             Some(Value::Object(fields)) => Some(fields),
             Some(other) => {
-                faults.note(&*pointer, format!("{} is not an object", echo(other)));
+                let example =
+                    if pointer.is_empty() { "; a recipe is one, such as {\"preset\": \"draft\"}" } else { "" };
+                faults.note(&*pointer, format!("{} is not an object{example}", echo(other)));
                 None
             }
         };
@@ -117,7 +121,8 @@ impl<'a> Object<'a> {
             return default;
         };
         if low < domain[0] || high > domain[1] {
-            faults.note(pointer, format!("{} is not within [{}, {}]", echo(value), domain[0], domain[1]));
+            let degrees = if domain[1] == FRAC_PI_2 { " in radians" } else { "" };
+            faults.note(pointer, format!("{} is not within [{}, {}]{degrees}", echo(value), domain[0], domain[1]));
             return default;
         }
         if low > high {

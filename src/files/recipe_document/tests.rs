@@ -178,6 +178,18 @@ fn text_that_is_not_json_has_its_own_error() {
 }
 
 #[test]
+fn messages_name_the_unit_of_angles_and_the_form_of_a_recipe() {
+    for (text, said) in [
+        (r#"{"range": {"theta": [0, 85]}}"#, "[0,85] is not within [0, 1.5707963267948966] in radians"),
+        (r#"{"range": {"alpha": [0, 85]}}"#, "[0,85] is not within [0, 1]"),
+        ("[1]", "[1] is not an object; a recipe is one, such as {\"preset\": \"draft\"}"),
+    ] {
+        let Err(RecipeError::Faults(faults)) = recipe(text) else { panic!("{text} was accepted") };
+        assert_eq!(faults[0].detail, said);
+    }
+}
+
+#[test]
 fn a_repeated_field_is_refused() {
     for text in [r#"{"preset": "draft", "preset": "paper"}"#, r#"{"fit": {"seed": 1, "steps": 2, "seed": 1}}"#] {
         match recipe(text) {

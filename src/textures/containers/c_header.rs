@@ -8,7 +8,8 @@ use super::rules::Stored;
 use crate::{about::About, digits::shortest};
 use ltcforge_fit::Precision;
 
-/// A header with all textures, as arrays of `float`, or of `uint16_t` with the bits of halves.
+/// A header with all textures, as arrays of `float`, or of `uint16_t` with the bits of halves. For textures that our
+/// shader reads, it also has the contents of the uniform buffer.
 ///
 /// The names of the guard and the arrays differ for each table and layout, so a program can include several headers.
 /// Short names are also defined, unless `LTCFORGE_LONG_NAMES` is already defined.
@@ -34,6 +35,17 @@ pub(super) fn text(stem: &str, textures: &[Stored<'_>], about: &About) -> String
             numbers(stored, |x| float(x) + "f")
         );
         let _ = writeln!(short, "#define {name} {name}{suffix}");
+    }
+    if let Some(words) = about.uniform() {
+        let words: Vec<String> =
+            words.chunks(4).map(|row| row.iter().map(|word| format!("{word:#x},")).collect()).collect();
+        let _ = write!(
+            text,
+            "\n// Binding 0 of the shader: two vectors of uint, seven of float, as bits. Copy all 144 bytes into the uniform buffer.\n\
+             static const uint32_t ltc_table{suffix}[36] = {{\n{}\n}};\n",
+            words.join("\n")
+        );
+        let _ = writeln!(short, "#define ltc_table ltc_table{suffix}");
     }
     if !suffix.is_empty() {
         text += "\n// Define LTCFORGE_LONG_NAMES before headers of several tables are included.\n";

@@ -9,8 +9,9 @@ use crate::{about::About, digits::shortest};
 /// this is the stored half.
 pub(super) fn text(textures: &[Stored<'_>], about: &About) -> String {
     let texts: Vec<String> = textures.iter().map(texture).collect();
+    let uniform = about.uniform_json().map_or_else(String::new, |words| format!("\"ltc_table\": {words},\n"));
     let about = json!(about.lines());
-    format!("{{\"about\": {about},\n\"textures\": [{}]}}\n", texts.join(",\n"))
+    format!("{{\"about\": {about},\n{uniform}\"textures\": [{}]}}\n", texts.join(",\n"))
 }
 
 /// A texture as JSON text. A JSON value would print its numbers with other digits.

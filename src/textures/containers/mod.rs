@@ -23,9 +23,11 @@ pub(super) use self::{
 use super::{
     about::About,
     file::{TextureFile, TextureFileError},
+    rounding::RoundingError,
     texture::Texture,
 };
 use ltcforge_fit::{Precision, named_list};
+use serde_json::json;
 
 named_list! {
     /// A file format for textures.
@@ -60,7 +62,8 @@ named_list! {
 }
 
 impl TextureContainer {
-    /// The files with these textures: a single file whose name starts with `stem`, or one file per texture.
+    /// The files with these textures: a single file whose name starts with `stem`, or one file per texture. If our
+    /// shader reads the textures, the last file, `STEM.json`, has the contents of its binding 0.
     ///
     /// # Errors
     /// A texture is inconsistent, two textures have the same name, or the format cannot store a texture.
@@ -82,7 +85,7 @@ impl TextureContainer {
             };
             stored.iter().map(file).collect::<Result<_, TextureFileError>>()
         };
-        Ok(match self {
+        let mut files = match self {
             Self::Ktx2 | Self::Ktx2Zstd => one_each("ktx2", &|texture| ktx2(texture, self == Self::Ktx2Zstd, about))?,
             Self::Dds => one_each("dds", &dds::encode)?,
             Self::DdsDx10 => one_each("dds", &dx10)?,
@@ -95,7 +98,16 @@ impl TextureContainer {
             Self::CSharp => one_of_all("cs", csharp::text(&stored, about).into_bytes()),
             Self::JavaScript => one_of_all("js", javascript::text(&stored, about).into_bytes()),
             Self::Json => one_of_all("json", json::text(&stored, about).into_bytes()),
-        })
+        };
+        let path = format!("{stem}.json");
+        // JSON documents contain the uniform themselves.
+        if let Some(words) = about.uniform_json().filter(|_| files.iter().all(|file| file.path != path)) {
+            let paths: Vec<_> = files.iter().map(|file| &file.path).collect();
+            let document = json!({ "textures": paths, "ltc_table": words, "about": about.lines() });
+            let bytes = format!("{document:#}\n").into_bytes();
+            files.push(TextureFile { path, bytes, rounding: RoundingError::default() });
+        }
+        Ok(files)
     }
 }
 

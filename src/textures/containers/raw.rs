@@ -17,6 +17,9 @@ pub(super) fn files(textures: &[Stored<'_>], about: &About) -> Vec<TextureFile> 
         document["sha256"] = json!(Digest::of(&bytes).hex());
         document["byte_order"] = json!("little-endian");
         document["about"] = json!(about.lines());
+        if let Some(words) = about.uniform_json() {
+            document["ltc_table"] = words;
+        }
         let text = format!("{document:#}\n");
         let path = format!("{}.json", stored.texture.name);
         let numbers = TextureFile { path: file, bytes, rounding: stored.rounded.error };

@@ -16,7 +16,7 @@ mod wgpu;
 
 use self::rules::Source;
 use super::{about::About, bundle::Bundle, file::TextureFileError, texture::Texture};
-use ltcforge_fit::{BrdfKind, ShaderAxes, named_list};
+use ltcforge_fit::{BrdfKind, named_list};
 
 named_list! {
     /// A renderer that has area lights by LTC tables, or can use our shader.
@@ -37,6 +37,8 @@ named_list! {
         Hdrp = "hdrp",
         /// Your own renderer, with the shader that `ltcforge shader` writes.
         Wgpu = "wgpu",
+        /// Like `wgpu`, with textures of 16 bits.
+        WgpuHalf = "wgpu-half",
     }
 }
 
@@ -49,7 +51,7 @@ impl Engine {
             Self::Godot => Some("godot"),
             Self::O3de => Some("ltc2016"),
             Self::Hdrp => Some("hdrp"),
-            Self::Wgpu => None,
+            Self::Wgpu | Self::WgpuHalf => None,
         }
     }
 
@@ -67,13 +69,7 @@ impl Engine {
     ///
     /// # Errors
     /// A texture is missing, or has the wrong size or channels.
-    pub fn bundle(
-        self,
-        brdf: BrdfKind,
-        textures: &[Texture],
-        axes: &ShaderAxes,
-        about: &About,
-    ) -> Result<Bundle, TextureFileError> {
+    pub fn bundle(self, brdf: BrdfKind, textures: &[Texture], about: &About) -> Result<Bundle, TextureFileError> {
         let bundle = match self {
             Self::Three => three::bundle,
             Self::Babylon => babylon::bundle,
@@ -83,8 +79,9 @@ impl Engine {
             Self::O3de => o3de::bundle,
             Self::Hdrp => hdrp::bundle,
             Self::Wgpu => wgpu::bundle,
+            Self::WgpuHalf => wgpu::half_bundle,
         };
-        let bundle = bundle(&Source { engine: self.name(), textures, axes, about, brdf })?;
+        let bundle = bundle(&Source { engine: self.name(), textures, about, brdf })?;
         Ok(bundle.with_manifest("for", self.name(), about))
     }
 }

@@ -6,7 +6,7 @@ use crate::{
     file::{TextureFile, TextureFileError},
     texture::Texture,
 };
-use ltcforge_fit::{BrdfKind, Precision, ShaderAxes};
+use ltcforge_fit::{BrdfKind, Precision};
 
 /// The names of the two textures, for most engines.
 pub(super) const FIRST: &str = "LTC_1";
@@ -18,8 +18,6 @@ pub(super) const SIZE: u32 = 64;
 pub(crate) struct Source<'a> {
     pub(super) engine: &'static str,
     pub(super) textures: &'a [Texture],
-    /// The axes of the table, as shaders read them.
-    pub(super) axes: &'a ShaderAxes,
     pub(super) about: &'a About,
     /// The scattering model of the table. It is one of [`super::Engine::brdfs`], unless the engine supports all models.
     pub(super) brdf: BrdfKind,

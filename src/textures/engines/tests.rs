@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::*;
 use crate::round;
 use ltcforge_files::digest::Digest;
-use ltcforge_fit::{BrdfKind, Layout, PerAxis, Precision};
+use ltcforge_fit::{BrdfKind, Layout, PerAxis, Precision, ShaderAxes};
 
 /// The manifest.
 const MANIFEST: &str = "ltcforge.json";
@@ -34,8 +34,11 @@ fn own() -> Vec<Texture> {
 
 fn bundle(engine: Engine, size: u32) -> Bundle {
     let about = About::new(["table 1234"]);
-    let given = if engine == Engine::Wgpu { own() } else { textures(size) };
-    engine.bundle(BrdfKind::Ggx, &given, &axes(), &about).unwrap_or_else(|error| panic!("{engine}: {error}"))
+    let (given, about) = match engine {
+        Engine::Wgpu | Engine::WgpuHalf => (own(), about.for_shader(&axes())),
+        _ => (textures(size), about),
+    };
+    engine.bundle(BrdfKind::Ggx, &given, &about).unwrap_or_else(|error| panic!("{engine}: {error}"))
 }
 
 fn bytes<'a>(bundle: &'a Bundle, path: &str) -> &'a [u8] {
@@ -77,7 +80,7 @@ fn hdrp_names_its_file_by_the_model() {
     for (brdf, name) in
         [(BrdfKind::Ggx, "GGX"), (BrdfKind::BurleyDiffuse, "Disney"), (BrdfKind::CharlieNeubelt, "Charlie")]
     {
-        let bundle = Engine::Hdrp.bundle(brdf, &textures(64), &axes(), &About::default()).expect("a bundle");
+        let bundle = Engine::Hdrp.bundle(brdf, &textures(64), &About::default()).expect("a bundle");
         let code = text(&bundle, &format!("LtcData.BRDF_{name}.cs"));
         assert!(code.contains(&format!("ushort[] s_LtcMatrixData_BRDF_{name} = new")), "{code:.300}");
         assert!(Engine::Hdrp.brdfs().contains(&brdf) && bundle.steps[1].contains(name), "{:?}", bundle.steps);
@@ -89,9 +92,9 @@ fn hdrp_names_its_file_by_the_model() {
 fn a_wrong_size_or_a_missing_texture_is_reported() {
     for engine in Engine::ALL {
         let about = About::default();
-        assert!(engine.bundle(BrdfKind::Ggx, &[], &axes(), &about).is_err(), "{engine}");
-        if !matches!(engine, Engine::O3de | Engine::Wgpu) {
-            let error = engine.bundle(BrdfKind::Ggx, &textures(32), &axes(), &about).expect_err("a size").to_string();
+        assert!(engine.bundle(BrdfKind::Ggx, &[], &about).is_err(), "{engine}");
+        if !matches!(engine, Engine::O3de | Engine::Wgpu | Engine::WgpuHalf) {
+            let error = engine.bundle(BrdfKind::Ggx, &textures(32), &about).expect_err("a size").to_string();
             assert!(error.contains("64 x 64 texels and 4 channels") && error.contains("32 x 32 x 1"), "{error}");
         }
     }
@@ -191,7 +194,7 @@ fn three_unpacks_every_number_and_its_half() {
             *x = hard[i % hard.len()] * if (i + which) % 2 == 0 { 1.0 } else { -1.0 };
         }
     }
-    let bundle = Engine::Three.bundle(BrdfKind::Ggx, &given, &axes(), &About::new(["table 1234"])).expect("a bundle");
+    let bundle = Engine::Three.bundle(BrdfKind::Ggx, &given, &About::new(["table 1234"])).expect("a bundle");
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("ltc.mjs"), text(&bundle, "ltc.js")).expect("a file");
     std::fs::write(folder.path().join("print.mjs"), PRINT_THREE).expect("a file");
@@ -216,9 +219,25 @@ fn the_module_for_three_is_shorter_than_the_tables_of_three() {
 fn our_own_shader_finds_its_buffers() {
     let bundle = bundle(Engine::Wgpu, 64);
     let document: Value = serde_json::from_str(text(&bundle, "ltc.json")).expect("JSON");
-    assert_eq!(document["ltc_table"]["nodes"], serde_json::json!([2, 1, 3, 1]));
-    assert_eq!(document["ltc_table"]["reading"][1], 1, "isotropic with one phi");
-    assert_eq!(document["ltc_table"]["spacing"], serde_json::json!([0.9_f32, 1.0, 0.5, 1.0]));
+    let words = &document["ltc_table"];
+    assert_eq!(words["nodes"], serde_json::json!([2, 1, 3, 1]));
+    assert_eq!(words["reading"][1], 1, "isotropic with one phi");
+    assert_eq!(words["spacing"], serde_json::json!([0.9_f32, 1.0, 0.5, 1.0]));
+    assert_eq!(words.as_object().map(serde_json::Map::len), Some(9));
     assert_eq!(document["textures"], serde_json::json!(["ltc_matrix_a.ktx2", "ltc_matrix_b.ktx2", "ltc_terms.ktx2"]));
-    ktx2::Reader::new(bytes(&bundle, "ltc_terms.ktx2")).expect("KTX2");
+}
+
+#[test]
+fn our_own_shader_has_halves_on_request_or_if_nothing_is_rounded() {
+    let format = |engine: Engine, number: f32| {
+        let mut given = own();
+        given[1].texels[5] = number;
+        let about = About::default().for_shader(&axes());
+        let bundle = engine.bundle(BrdfKind::Ggx, &given, &about).expect("a bundle");
+        let reader = ktx2::Reader::new(bytes(&bundle, "ltc_matrix_b.ktx2")).expect("KTX2");
+        reader.header().format.expect("a format")
+    };
+    let [half, single] = [ktx2::Format::R16G16B16A16_SFLOAT, ktx2::Format::R32G32B32A32_SFLOAT];
+    assert_eq!([0.25, 0.1].map(|number| format(Engine::Wgpu, number)), [half, single]);
+    assert_eq!([0.25, 0.1].map(|number| format(Engine::WgpuHalf, number)), [half, half]);
 }

@@ -162,6 +162,45 @@ fn the_forms_of_an_export_match_its_files() {
     assert!(seen > 200, "{seen} files");
 }
 
+/// Our shader needs binding 0 in addition to the textures. Every container has both.
+#[test]
+fn an_export_for_our_shader_has_its_uniform_and_steps() {
+    let own = planted(Layout::Reflected, [3, 2, 3, 2], true, |_, _| 0.0);
+    let theirs = planted(Layout::Ltc2017, [3, 1, 3, 1], true, |_, _| 0.0);
+    for (table, layout) in [(&own, "reflected"), (&own, "reflected-array"), (&theirs, "ltc2017-3d")] {
+        let words = table.shader_axes().words();
+        for container in TextureContainer::ALL {
+            let export: Export = format!("{layout}.{container}.f32").parse().expect("an export");
+            let Ok(Bundle { files, steps }) = export.bundle(table, About::default()) else {
+                // Some formats have no arrays.
+                assert_eq!(layout, "reflected-array", "{export}");
+                continue;
+            };
+            let document = files.iter().find(|file| file.path == "ltc.json").unwrap_or_else(|| panic!("{export}"));
+            let document: serde_json::Value = serde_json::from_slice(&document.bytes).expect("JSON");
+            let names =
+                ["nodes", "reading", "start", "spacing", "per_step", "texel", "roughness", "cosines", "azimuths"];
+            let vector = |name| document["ltc_table"][name].clone();
+            let found = names.map(|name| serde_json::from_value::<[f32; 4]>(vector(name)).expect("four numbers"));
+            let expected = words.chunks(4).enumerate().map(|(i, vector)| {
+                std::array::from_fn(|k| if i < 2 { vector[k] as f32 } else { f32::from_bits(vector[k]) })
+            });
+            assert_eq!(found.to_vec(), expected.collect::<Vec<_>>(), "{export}");
+            assert!(steps.iter().any(|step| step.contains("ltcforge shader")), "{export}: {steps:?}");
+        }
+        let header: Export = format!("{layout}.c.f16").parse().expect("an export");
+        let header = header.bundle(table, About::default()).expect("a header").files.remove(0);
+        let text = String::from_utf8(header.bytes).expect("text");
+        let (_, rows) = text.split_once("[36] = {").expect("the uniform");
+        let rows = rows.split_once('}').expect("its end").0.split(',').map(str::trim).filter(|word| !word.is_empty());
+        let found = rows.map(|word| u32::from_str_radix(word.trim_start_matches("0x"), 16).expect("hexadecimal"));
+        assert_eq!(found.collect::<Vec<u32>>(), words, "{layout}");
+    }
+    let engine = "ltc2017.ktx2.f32".parse::<Export>().expect("an export").bundle(&theirs, About::default());
+    let Bundle { files, steps } = engine.expect("textures");
+    assert!(steps[0].contains("--layout ltc2017-3d") && files.iter().all(|file| file.path != "ltc.json"), "{steps:?}");
+}
+
 /// The texels of a KTX2 file with four 32-bit channels, and the texture's sides.
 fn texels(bundle: &Bundle, path: &str) -> ([usize; 3], Vec<f32>) {
     let file = bundle.files.iter().find(|file| file.path == path).expect(path);

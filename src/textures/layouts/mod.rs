@@ -94,6 +94,11 @@ impl TextureLayout {
         }
     }
 
+    /// Whether the shader of `ltcforge shader` reads these textures.
+    pub(super) fn is_for_shader(self) -> bool {
+        self.rules().is_for_shader()
+    }
+
     /// The textures of a table, with halves that were rounded together for each matrix.
     ///
     /// # Errors
@@ -114,7 +119,7 @@ impl TextureLayout {
     pub(super) fn check(self, table: &Table) -> Result<(), NoTextures> {
         let TextureSampling { table: needed, recipe, .. } = self.sampling();
         let is_kept = self.rules().takes(table.brdf());
-        let two = self.rules().takes_two_lobes();
+        let two = self.is_for_shader();
         let recipe = || if is_kept { recipe_like(recipe, needed, two, table) } else { recipe.to_owned() };
         if table.layout != needed {
             return Err(NoTextures::OtherLayout { table: table.layout, asked: self.name(), recipe: recipe() });

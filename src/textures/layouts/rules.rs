@@ -54,8 +54,8 @@ pub(crate) trait TextureRules: Sync {
         true
     }
 
-    /// Whether shaders can read a second lobe from these textures.
-    fn takes_two_lobes(&self) -> bool {
+    /// Whether the shader of `ltcforge shader` reads these textures. Only these can store a second lobe.
+    fn is_for_shader(&self) -> bool {
         false
     }
 

@@ -98,7 +98,7 @@ impl TextureRules for ShaderTextures {
         TextureSampling { table: self.table, axes, textures, normalisation: self.normalisation, recipe: self.recipe }
     }
 
-    fn takes_two_lobes(&self) -> bool {
+    fn is_for_shader(&self) -> bool {
         true
     }
 
