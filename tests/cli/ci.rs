@@ -5,7 +5,6 @@ use std::{env, fs, path::PathBuf, process::Command};
 use serde_json::Value;
 
 use crate::common::{
-    SMALL,
     documents::{self, run_in, shell},
     report_skipped,
 };
@@ -15,18 +14,10 @@ fn blocks(language: &str) -> Vec<String> {
     documents::blocks("docs/ci.md", language)
 }
 
-/// A project that only has a recipe.
-fn project() -> (tempfile::TempDir, PathBuf) {
-    let folder = tempfile::tempdir().expect("a folder");
-    let project = folder.path().to_owned();
-    fs::create_dir(project.join("recipes")).expect("a folder");
-    fs::write(project.join("recipes/metal.json"), SMALL).expect("a recipe");
-    (folder, project)
-}
-
 /// A project that is pinned as in the document.
 fn pinned() -> (tempfile::TempDir, PathBuf) {
-    let (folder, project) = project();
+    let folder = tempfile::tempdir().expect("a folder");
+    let project = folder.path().to_owned();
     shell(&project, &blocks("sh")[0]);
     (folder, project)
 }

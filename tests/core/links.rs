@@ -1,4 +1,4 @@
-//! Checks that relative links and anchors in the documents exist.
+//! Checks that relative links, anchors, and the files and variables of commands in the documents exist.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -58,6 +58,59 @@ fn targets(text: &str) -> Vec<String> {
     targets
 }
 
+/// Extensions of files that commands read and write.
+const EXTENSIONS: [&str; 12] =
+    ["json", "glb", "gltf", "csv", "png", "jpg", "safetensors", "npy", "exr", "hdr", "ies", "glsl"];
+
+/// Options and redirections before the name of an output.
+const OUTPUTS: [&str; 6] = ["-o", "-Lo", "--out", "--to", ">", ">>"];
+
+/// The command in a line of a code block, without its comment. In a `console`, lines without a prompt are output.
+fn command<'a>(language: &str, line: &'a str) -> Option<&'a str> {
+    let line = match language {
+        "sh" => line,
+        "console" => line.strip_prefix("$ ")?,
+        _ => return None,
+    };
+    line.split(" #").next().filter(|line| !line.starts_with('#'))
+}
+
+/// The names of the variables that a command reads.
+fn variables(command: &str) -> impl Iterator<Item = &str> {
+    let names = command.split('$').skip(1).map(|rest| rest.trim_start_matches('{'));
+    let names = names.filter_map(|rest| rest.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').next());
+    names.filter(|name| !name.is_empty())
+}
+
+/// Files and variables of the commands in a document that are neither in the repository nor set by an earlier command.
+/// Everything in a folder that a command writes counts as set.
+fn missing(root: &Path, text: &str) -> Vec<String> {
+    let text = text.replace("\\\n", " ");
+    let (mut set, mut missing) = (Vec::new(), Vec::new());
+    let blocks = text.split("```").skip(1).step_by(2).filter_map(|block| block.split_once('\n'));
+    let lines = blocks.flat_map(|(language, block)| block.lines().filter_map(move |line| command(language, line)));
+    for line in lines {
+        missing.extend(variables(line).filter(|name| !set.contains(name)).map(|name| format!("${name}")));
+        let words = line.split_whitespace().map(|word| word.trim_matches(['(', ')', '\'', '"', ';']));
+        let words: Vec<&str> = words.collect();
+        for (place, &word) in words.iter().enumerate() {
+            let copied = words[0] == "cp" && place + 1 == words.len();
+            if copied || place > 0 && OUTPUTS.contains(&words[place - 1]) {
+                set.push(word);
+            } else if let Some((name, _)) = word.split_once('=') {
+                set.push(name);
+            } else if word.chars().all(|c| c.is_ascii_alphanumeric() || "/._-".contains(c))
+                && word.rsplit_once('.').is_some_and(|(_, extension)| EXTENSIONS.contains(&extension))
+                && !set.iter().any(|path| Path::new(word).starts_with(path))
+                && !root.join(word).exists()
+            {
+                missing.push(word.to_owned());
+            }
+        }
+    }
+    missing
+}
+
 /// Whether a link in `document` leads to an existing file or heading.
 fn leads_somewhere(document: &Path, target: &str) -> bool {
     if target.contains("://") || target.starts_with("mailto:") {
@@ -71,14 +124,39 @@ fn leads_somewhere(document: &Path, target: &str) -> bool {
     fs::read_to_string(path).is_ok_and(|text| anchors(&text).contains(anchor))
 }
 
-#[test]
-fn relative_links_and_anchors_lead_somewhere() {
+/// The root of the repository, and its documents.
+fn documents() -> (&'static Path, Vec<PathBuf>) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut documents: Vec<PathBuf> =
         ["README.md", "CHANGELOG.md", "CONTRIBUTING.md"].map(|name| root.join(name)).into();
     for folder in ["docs", "deploy", "examples", "studies", "tests"] {
         add_documents(&root.join(folder), &mut documents);
     }
+    (root, documents)
+}
+
+#[test]
+fn commands_use_files_that_exist_or_make_them() {
+    let (root, documents) = documents();
+    let missing = documents.iter().flat_map(|document| {
+        let missing = missing(root, &fs::read_to_string(document).expect("a document"));
+        missing.into_iter().map(move |name| format!("{}: {name}", document.display()))
+    });
+    assert_eq!(missing.collect::<Vec<_>>(), [""; 0]);
+}
+
+#[test]
+fn a_missing_file_is_noticed() {
+    let (root, _) = documents();
+    let text = "```sh\nA=1\necho $A > a.csv\n# b.csv\nltcforge light a.csv c.csv -o out  # d.csv\n```\n\
+        ```sh\nltcforge report out/e.json $A.json ${F#x}.json\n```\n\
+        ```console\n$ cp README.md g.json\nh.json\n$ ltcforge plan g.json \\\n  i.glb docs/recipes/asg.json\n```\n";
+    assert_eq!(missing(root, text), ["c.csv", "$F", "i.glb"]);
+}
+
+#[test]
+fn relative_links_and_anchors_lead_somewhere() {
+    let (_, documents) = documents();
     let mut links = 0;
     let mut broken = Vec::new();
     for document in &documents {
