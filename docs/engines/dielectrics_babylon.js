@@ -1,4 +1,4 @@
-// A second pair of tables for dielectrics in Babylon.js, with WebGL 2. Checked with 9.34.0.
+// A second pair of tables for dielectrics in Babylon.js, with WebGL 2. Checked with 9.34.0 and 9.35.0.
 // Fit the second table with a recipe that has "fresnel": [{"f0": 0.04}].
 
 /** Loads an `areaLightsLTC.bin` as two textures. */

@@ -23,7 +23,7 @@ export function withClosedFormAreaLights( material, normalsGlsl, BABYLON ) {
 	requireMaterial( material );
 	// Reports another version of Babylon now, and not at the first frame. Modules of @babylonjs/core load shaders with the first
 	// material; then `getCustomCode` reports it.
-	if ( BABYLON.ShaderStore.IncludesShadersStore.lightFragment ) requireEngineLines( BABYLON );
+	if ( BABYLON.ShaderStore.IncludesShadersStore.lightFragment ) requireEngineLines( BABYLON, material );
 	const Plugin = areaLightsPlugin( BABYLON );
 	( pluginOf( material ) || new Plugin( material ) ).normalsGlsl = normalsGlsl;
 	return material;
@@ -109,7 +109,7 @@ export function areaLightsPlugin( BABYLON ) {
 			const hasUbo = this._material.getScene().getEngine().supportsUniformBuffers;
 			const places = [ 'CUSTOM_FRAGMENT_DEFINITIONS', `!${ inPattern( LIGHTS_BEGIN ) }`, `!${ lightPattern( hasUbo ) }` ];
 			if ( this.normalsGlsl === '' ) return Object.fromEntries( places.map( ( place ) => [ place, '' ] ) );
-			requireEngineLines( BABYLON );
+			requireEngineLines( BABYLON, this._material );
 			const code = [ definitions( this.normalsGlsl ), lightsBegin( this._material.maxSimultaneousLights, hasUbo ), forLight ];
 			return Object.fromEntries( places.map( ( place, i ) => [ place, code[ i ] ] ) );
 
@@ -144,12 +144,13 @@ function inPattern( text ) {
 
 }
 
-function requireEngineLines( { ShaderStore } ) {
+function requireEngineLines( { ShaderStore }, material ) {
 
 	for ( const [ include, lines ] of Object.entries( ENGINE_LINES ) ) for ( const line of lines ) {
 
 		if ( ( ShaderStore.IncludesShadersStore[ include ] || '' ).split( line ).length === 2 ) continue;
-		throw new Error( `${ include } of this Babylon.js must contain \`${ line }\` exactly once; this plugin is for 9.34` );
+		const version = material.getScene().getEngine().constructor.Version;
+		throw new Error( `${ include } of Babylon.js ${ version } must contain \`${ line }\` exactly once; install 9.34 or 9.35, with which this plugin is tested` );
 
 	}
 

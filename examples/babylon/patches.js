@@ -11,7 +11,7 @@ export const lightPattern = ( hasUbo ) =>
 export const ENGINE_LINES = {
 	pbrBlockDirectLighting: [ LIGHTS_BEGIN ],
 	lightFragment: [ 'info.specular=computeAreaSpecularLighting(preInfo,light{X}.vLightSpecular.rgb,clearcoatOut.specularEnvironmentR0,reflectivityOut.colorReflectanceF90);' ],
-	lightUboDeclaration: [ 'vec4 vLightWidth;vec4 vLightHeight;' ],
+	lightUboDeclaration: [ '{vec4 vLightData;vec4 vLightDiffuse;vec4 vLightSpecular;', 'vec4 vLightWidth;vec4 vLightHeight;' ],
 	pbrBlockAnisotropic: [ '{float anisotropy;vec3 anisotropicTangent;' ],
 	pbrBlockGeometryInfo: [ 'vec2 AARoughnessFactors=getAARoughnessFactors(normalW.xyz);' ],
 	pbrHelperFunctions: [ 'float convertRoughnessToAverageSlope(float roughness)' ],

@@ -1,6 +1,6 @@
 // Area lights on anisotropic GGX for WebGLRenderer of three.js.
 
-import type { Material, MeshPhysicalMaterial, MeshStandardMaterial, Texture, WebGLRenderer } from 'three';
+import type { Material, MeshStandardMaterial, Texture, WebGLRenderer } from 'three';
 import type { KTX2Loader } from 'three/addons/loaders/KTX2Loader.js';
 
 /** A table's textures and numbers, as uniforms of the shader. Materials share it. */
@@ -49,5 +49,13 @@ export function withoutAreaLights<M extends Material>( material: M ): M;
 /** Loads a table from `ltcforge export --for wgpu`. The address of the folder ends with a slash. */
 export function loadTable( address: string | URL, loader: KTX2Loader ): Promise<AreaLightTable>;
 
+/** What {@link setAlphas} sets of a standard or physical material, or of a node material. */
+export interface GgxMaterial {
+	readonly type: string;
+	roughness: number;
+	anisotropy?: number;
+	anisotropyRotation?: number;
+}
+
 /** Sets GGX alpha along the tangent and across it, in (0, 1], by three's `roughness`, `anisotropy` and `anisotropyRotation`. */
-export function setAlphas( material: MeshStandardMaterial | MeshPhysicalMaterial, alphaX: number, alphaY: number ): void;
+export function setAlphas( material: GgxMaterial, alphaX: number, alphaY: number ): void;

@@ -10,7 +10,7 @@ import {
 const PASSES = {
 	// Rows start at the top. three keeps frames of a video in sRGB.
 	picture: `vec2 at = gl_FragCoord.xy / vec2( size );
-		vec3 shown = texture( prefilter_source, vec2( at.x, isFlipped ? 1.0 - at.y : at.y ) ).rgb;
+		vec3 shown = texture( prefilter_source, vec2( at.x, isFromBottom ? 1.0 - at.y : at.y ) ).rgb;
 		vec3 decoded = mix( shown / 12.92, pow( ( shown + 0.055 ) / 1.055, vec3( 2.4 ) ), step( 0.04045, shown ) );
 		colour = isCoded ? decoded : shown;`,
 	halved: 'colour = prefilter_halved( texel, prefilter_size( size, level - 1u ), prefilter_size( size, level ) );',
@@ -56,7 +56,7 @@ export class LightPictures {
 
 		const uniforms = {
 			prefilter_source: { value: null }, prefilter_above: { value: null },
-			size: { value: size }, level: { value: 0 }, isFlipped: { value: false }, isCoded: { value: false },
+			size: { value: size }, level: { value: 0 }, isFromBottom: { value: false }, isCoded: { value: false },
 		};
 		this.passes = Object.fromEntries( Object.entries( PASSES ).map( ( [ name, body ] ) => [ name, new RawShaderMaterial( {
 			uniforms, glslVersion: GLSL3, depthTest: false, depthWrite: false, blending: NoBlending,
@@ -64,7 +64,7 @@ export class LightPictures {
 			fragmentShader: `${ prefilterGlsl }
 				uniform uvec2 size;
 				uniform uint level;
-				uniform bool isFlipped;
+				uniform bool isFromBottom;
 				uniform bool isCoded;
 				out vec4 written;
 				void main() {
@@ -104,7 +104,8 @@ export class LightPictures {
 		const before = [ renderer.getRenderTarget(), renderer.getActiveCubeFace(), renderer.getActiveMipmapLevel() ];
 		const isXr = renderer.xr.enabled;
 		renderer.xr.enabled = false;
-		this.values.isFlipped.value = texture.flipY;
+		// The first row of an image is its top, unless three flips it. The first row of a render target or of data is the bottom.
+		this.values.isFromBottom.value = [ 'flipY', 'isRenderTargetTexture', 'isDataTexture' ].some( ( name ) => texture[ name ] === true );
 		this.values.isCoded.value = texture.isVideoTexture === true && texture.colorSpace === 'srgb';
 
 		const { chain, rows, levels } = this;

@@ -1,6 +1,6 @@
 // Area lights on anisotropic GGX for WebGPURenderer of three.js.
 
-import type { Material, MeshPhysicalMaterial, MeshStandardMaterial } from 'three';
+import type { Material, MeshStandardMaterial } from 'three';
 import type { MeshStandardNodeMaterial } from 'three/webgpu';
 
 /** The output of `ltcforge shader --model normals` in WGSL and GLSL ES: modules of `ltcforge-three/shaders`. */
@@ -16,5 +16,4 @@ export function withClosedFormAreaLights<M extends MeshStandardMaterial | MeshSt
 /** Removes the patch from a material. */
 export function withoutAreaLights<M extends Material>( material: M ): M;
 
-/** Sets GGX alpha along the tangent and across it, in (0, 1], by three's `roughness`, `anisotropy` and `anisotropyRotation`. */
-export function setAlphas( material: MeshStandardMaterial | MeshPhysicalMaterial, alphaX: number, alphaY: number ): void;
+export { setAlphas } from './index.js';

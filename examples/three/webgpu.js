@@ -1,7 +1,7 @@
 // The closed form for WebGPURenderer of three.js: for its node materials, and for MeshStandardMaterial and
 // MeshPhysicalMaterial, which the renderer converts to node materials. Diffuse light does not change.
 
-import { wgsl, wgslFn, glsl, glslFn, anisotropyT, alphaT, clearcoatNormalView, clearcoatRoughness, float, normalView, positionView, positionViewDirection, roughness, specularColorBlended, specularF90, vec2, vec3 } from 'three/tsl';
+import { array, Loop, wgsl, wgslFn, glsl, glslFn, anisotropyT, alphaT, clearcoatNormalView, clearcoatRoughness, float, normalView, positionView, positionViewDirection, roughness, specularColorBlended, specularF90, vec2, vec3 } from 'three/tsl';
 
 export { setAlphas } from './alphas.js';
 
@@ -149,12 +149,26 @@ function lit( model, texts ) {
 		if ( this.anisotropy ) begin( 'base', normalView, anisotropyT, vec2( alphaT.max( alpha ), alpha ) );
 		else begin( 'base', normalView, anyTangent( normalView ), vec2( alpha, alpha ) );
 		if ( this.clearcoat ) begin( 'coat', clearcoatNormalView, anyTangent( clearcoatNormalView ), vec2( clearcoatRoughness.pow2() ) );
-		// This calls the lights.
+		// This calls the lights, which are only collected. three writes the code of each light one after another. Here a loop runs
+		// over several lights, so drivers compile it once. One light compiles faster without a loop.
+		const areas = [];
+		this.directRectArea = ( data ) => areas.push( data );
 		stock.start.call( this, builder );
+		if ( areas.length < 2 ) return areas.forEach( ( data ) => light.call( this, data, builder ) );
+		// three sets these to zero where they occur first, which must be before the loop.
+		for ( const sum of [ 'directDiffuse', 'directSpecular' ] ) areas[ 0 ].reflectedLight[ sum ].toStack();
+		const arrays = [ 'lightColor', 'lightPosition', 'halfWidth', 'halfHeight' ].map( ( name ) => [ name, array( areas.map( ( data ) => vec3( data[ name ] ) ) ).toVar() ] );
+		Loop( areas.length, ( { i } ) => {
+
+			const its = Object.fromEntries( arrays.map( ( [ name, values ] ) => [ name, values.element( i ) ] ) );
+			light.call( this, { ...areas[ 0 ], ...its }, builder );
+
+		} );
 
 	};
 
-	model.directRectArea = function ( data, builder ) {
+	/** Adds an area light. */
+	function light( data, builder ) {
 
 		const { lightColor, lightPosition, halfWidth, halfHeight, reflectedLight } = data;
 		const centre = lightPosition.sub( positionView );
@@ -169,7 +183,7 @@ function lit( model, texts ) {
 		stock.directRectArea.call( this, { ...data, reflectedLight: diffuse }, builder );
 		this.clearcoat = clearcoat;
 
-	};
+	}
 
 	return model;
 

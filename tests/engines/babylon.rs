@@ -24,8 +24,8 @@ const REFUSALS: [(&str, &str); 10] = [
     ("webgpu", "WGSL"),
     ("webgl 1", "needs WebGL 2"),
     ("alpha", "alpha is 0"),
-    ("version", "this plugin is for 9.34"),
-    ("version at the first frame", "this plugin is for 9.34"),
+    ("version", "install 9.34 or 9.35"),
+    ("version at the first frame", "install 9.34 or 9.35"),
 ];
 
 #[test]

@@ -1,6 +1,9 @@
 //! Pages, packages and shaders of the examples, for the tests of all engines.
 
-use std::sync::{LazyLock, OnceLock};
+use std::{
+    os::unix::fs::symlink,
+    sync::{LazyLock, OnceLock},
+};
 
 use super::*;
 
@@ -172,4 +175,99 @@ pub(crate) fn build_shaders() {
 /// The file with the types of a module.
 fn types_of(module: &str) -> String {
     format!("{}.d.ts", module.trim_end_matches(".js"))
+}
+
+/// A program in TypeScript for each package, with all materials that it accepts.
+const PROGRAMS: [(&str, &str); 3] = [
+    (
+        "three",
+        "import { MeshBasicMaterial, MeshPhysicalMaterial, MeshStandardMaterial } from 'three';
+import { MeshPhysicalNodeMaterial, MeshStandardNodeMaterial } from 'three/webgpu';
+import * as webgl from 'ltcforge-three';
+import * as webgpu from 'ltcforge-three/webgpu';
+import glsl from 'ltcforge-three/shaders/normals_fast.glsl.js';
+import wgsl from 'ltcforge-three/shaders/normals_fast.wgsl.js';
+for ( const M of [ MeshStandardMaterial, MeshPhysicalMaterial, MeshStandardNodeMaterial, MeshPhysicalNodeMaterial ] ) {
+    webgl.setAlphas( new M(), 0.1, 0.2 );
+    webgpu.setAlphas( webgpu.withClosedFormAreaLights( new M(), { wgsl, glsl } ), 0.1, 0.2 );
+}
+// @ts-expect-error: This material has no roughness.
+webgl.setAlphas( new MeshBasicMaterial(), 0.1, 0.2 );
+const node: MeshPhysicalNodeMaterial = webgpu.withClosedFormAreaLights( new MeshPhysicalNodeMaterial(), { wgsl } );
+webgpu.withoutAreaLights( node );
+const lit: MeshPhysicalMaterial = webgl.withClosedFormAreaLights( new MeshPhysicalMaterial(), glsl );
+webgl.withoutAreaLights( lit );",
+    ),
+    (
+        "babylon",
+        "import * as BABYLON from 'babylonjs';
+import { areaLightsPlugin, setAlphas, withClosedFormAreaLights, withoutAreaLights } from 'ltcforge-babylon';
+import normals from 'ltcforge-babylon/shaders/normals_fast.glsl.js';
+declare const scene: BABYLON.Scene;
+for ( const M of [ BABYLON.PBRMaterial, BABYLON.PBRMetallicRoughnessMaterial, BABYLON.PBRSpecularGlossinessMaterial ] ) {
+    const lit = withClosedFormAreaLights( new M( 'lit', scene ), normals, BABYLON );
+    setAlphas( lit, 0.1, 0.2 );
+    withoutAreaLights( lit );
+}
+areaLightsPlugin( BABYLON );",
+    ),
+    (
+        "playcanvas",
+        "import { type GraphicsDevice, StandardMaterial } from 'playcanvas';
+import { setAlphas, withClosedFormAreaLights, withoutAreaLights } from 'ltcforge-playcanvas';
+import normals from 'ltcforge-playcanvas/shaders/normals_fast.glsl.js';
+declare const device: GraphicsDevice;
+const lit: StandardMaterial = withClosedFormAreaLights( new StandardMaterial(), normals, device );
+setAlphas( lit, 0.1, 0.2 );
+withoutAreaLights( lit );",
+    ),
+];
+
+#[test]
+#[ignore = "make test-all runs it"]
+fn strict_typescript_accepts_the_packages() {
+    let modules = here().join("node_modules");
+    if !starts("node") || !modules.join("typescript").exists() {
+        report_skipped("node or TypeScript is missing (run npm ci in tests/engines)");
+        return;
+    }
+    build_shaders();
+    let folder = tempfile::tempdir().expect("a folder");
+    let linked = folder.path().join("node_modules");
+    fs::create_dir(&linked).expect("a folder");
+    for module in fs::read_dir(&modules).expect("packages").map(|entry| entry.expect("a package")) {
+        symlink(module.path(), linked.join(module.file_name())).expect("a link");
+    }
+    for (engine, program) in PROGRAMS {
+        symlink(example(engine), linked.join(format!("ltcforge-{engine}"))).expect("a link");
+        fs::write(folder.path().join(format!("{engine}.mts")), program).expect("a program");
+    }
+    let mut tsc = Command::new("node");
+    tsc.current_dir(folder.path()).arg("node_modules/typescript/bin/tsc");
+    tsc.args("--strict --noEmit --skipLibCheck --preserveSymlinks --target es2022 --module nodenext".split(' '));
+    let output = tsc.args(PROGRAMS.map(|(engine, _)| format!("{engine}.mts"))).output().expect("node runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
+}
+
+/// The three numbers of a version.
+fn version(text: &str) -> Vec<u32> {
+    text.trim_start_matches(['>', '=', '<']).split('.').map(|number| number.parse().expect("a number")).collect()
+}
+
+#[test]
+fn packages_accept_the_tested_versions_of_their_engines() {
+    let parse = |path: PathBuf| -> serde_json::Value {
+        serde_json::from_str(&fs::read_to_string(path).expect("a package.json")).expect("JSON")
+    };
+    let tested = parse(here().join("package.json"));
+    for engine in ["three", "babylon", "playcanvas"] {
+        let package = parse(example(engine).join("package.json"));
+        for (name, range) in package["peerDependencies"].as_object().expect("engines") {
+            // Both packages of Babylon.js have the same versions.
+            let name = if name == "@babylonjs/core" { "babylonjs" } else { name };
+            let tested = version(tested["dependencies"][name].as_str().expect("a version"));
+            let (from, to) = range.as_str().and_then(|range| range.split_once(' ')).expect("a range");
+            assert!(version(from) <= tested && tested < version(to), "{engine}: {range}, tested with {tested:?}");
+        }
+    }
 }

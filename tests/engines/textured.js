@@ -97,14 +97,15 @@ try {
 		const faults = [];
 		const page = await openPage( browser, 'textured', `${ address }/pages/?engine=textured_three`, faults );
 		await page.waitForFunction( 'window.draw' );
-		const { drawn, pngs, refusals } = await page.evaluate( `window.draw( ${ width }, ${ height } )` );
+		const { drawn, kinds, pngs, refusals } = await page.evaluate( `window.draw( ${ width }, ${ height } )` );
 		await page.close();
 		const errors = Object.fromEntries( Object.entries( pngs ).map( ( [ name, png ] ) => [ name, apart( drawn[ name ], byTheProgram( folder, png ) ) ] ) );
 		errors.white = apart( drawn.white, colours( drawn.plain ) );
 		for ( const name of [ 'second', 'layer' ] ) errors[ name ] = apart( drawn[ name ], colours( drawn.plainSecond ) );
 		errors.stream = apart( drawn.stream, colours( drawn.picture ) );
+		const byKind = Object.fromEntries( Object.entries( kinds ).map( ( [ name, picture ] ) => [ name, apart( picture, colours( drawn.picture ) ) ] ) );
 		const changes = { picture: apart( drawn.picture, colours( drawn.colour ) ), later: apart( drawn.later, colours( drawn.start ) ) };
-		return { errors, changes, refusals, moves: await moves( browser, address, faults ), faults };
+		return { errors, kinds: byKind, changes, refusals, moves: await moves( browser, address, faults ), faults };
 
 	} );
 	console.log( JSON.stringify( report ) );

@@ -74,7 +74,7 @@ try {
 			const result = await drawn( { lights: Number( values.lights ), forceWebGL }, faults );
 			if ( ! result ) continue;
 			const errors = Object.fromEntries( Object.entries( result.of ).map( ( [ way, { pixels } ] ) => [ way, meanError( pixels, expected, width, height ) ] ) );
-			report[ result.backend ] = { errors, refusal: result.refusal, faults };
+			report[ result.backend ] = { errors, named: result.named, refusal: result.refusal, faults };
 
 		}
 

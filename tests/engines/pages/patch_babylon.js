@@ -4,6 +4,7 @@
 import { fromTop } from '/examples/common/pixels.js';
 import { lightsOf, surfaces } from '/examples/common/scene.js';
 import { areaLightsPlugin, setAlphas, withClosedFormAreaLights, withoutAreaLights } from '/package/ggx_area_light.js';
+import { ENGINE_LINES } from '/package/patches.js';
 import balanced from '/package/shaders/normals_balanced.glsl.js';
 import fast from '/package/shaders/normals_fast.glsl.js';
 import { library } from './babylon.js';
@@ -108,16 +109,21 @@ export async function draw() {
 	};
 	old.dispose();
 
-	// Another version of Babylon has other lines. The error comes when the material is patched, or at the first frame.
+	// Another version of Babylon has other lines. The error comes when the material is patched, or at the first frame. It names the
+	// include and the version for each line.
 	const store = BABYLON.ShaderStore.IncludesShadersStore;
-	const { lightFragment } = store;
-	store.lightFragment = lightFragment.replace( 'computeAreaSpecularLighting(preInfo', 'computeAreaSpecularLighting( preInfo' );
-	refusals.version = refusal( () => closed( fresh() ) );
-	store.lightFragment = lightFragment;
 	const late = closed( fresh() ).pluginManager.getPlugin( 'LtcforgeAreaLights' );
-	store.lightFragment = lightFragment.replace( 'computeAreaSpecularLighting(preInfo', 'computeAreaSpecularLighting( preInfo' );
-	refusals[ 'version at the first frame' ] = refusal( () => late.getCustomCode( 'fragment' ) );
-	store.lightFragment = lightFragment;
+	const changed = ( work ) => Object.entries( ENGINE_LINES ).flatMap( ( [ include, lines ] ) => lines.map( ( line ) => {
+
+		const text = store[ include ];
+		store[ include ] = text.replace( line, '' );
+		const message = refusal( work );
+		store[ include ] = text;
+		return String( message ).includes( `${ include } of Babylon.js ${ BABYLON.Engine.Version } must contain \`${ line }\`` ) ? message : null;
+
+	} ) ).reduce( ( all, message ) => all && message );
+	refusals.version = changed( () => closed( fresh() ) );
+	refusals[ 'version at the first frame' ] = changed( () => late.getCustomCode( 'fragment' ) );
 	engine.dispose();
 	return { pictures, refusals };
 

@@ -28,6 +28,33 @@ async function playing( canvas ) {
 
 }
 
+/** Textures that show a canvas upright in three.js, by kind. */
+async function kindsOf( canvas, renderer ) {
+
+	const { width, height } = canvas;
+	const { data } = canvas.getContext( '2d' ).getImageData( 0, 0, width, height );
+	const fromBottom = new Uint8Array( fromTop( data, width, height ) );
+	const drawn = new THREE.CanvasTexture( canvas );
+	const bitmap = new THREE.Texture( await createImageBitmap( canvas, { imageOrientation: 'flipY' } ) );
+	const kinds = {
+		'canvas from the top': Object.assign( new THREE.CanvasTexture( canvas ), { flipY: false } ),
+		bitmap,
+		data: new THREE.DataTexture( fromBottom, width, height ),
+		'data from the top': Object.assign( new THREE.DataTexture( new Uint8Array( data ), width, height ), { flipY: true } ),
+	};
+	for ( const texture of [ drawn, ...Object.values( kinds ) ] ) Object.assign( texture, { colorSpace: THREE.SRGBColorSpace, needsUpdate: true } );
+
+	// A screen in the scene: the canvas on a plane that fills the target.
+	const target = new THREE.WebGLRenderTarget( width, height, { type: THREE.HalfFloatType } );
+	renderer.setRenderTarget( target );
+	renderer.render( new THREE.Mesh( new THREE.PlaneGeometry( 2, 2 ), new THREE.MeshBasicMaterial( { map: drawn } ) ), new THREE.OrthographicCamera( - 1, 1, 1, - 1, - 1, 1 ) );
+	const copy = Object.assign( new THREE.FramebufferTexture( width, height ), { type: THREE.HalfFloatType } );
+	renderer.copyFramebufferToTexture( copy );
+	renderer.setRenderTarget( null );
+	return { ...kinds, 'render target': target.texture, framebuffer: copy };
+
+}
+
 export async function draw( width, height ) {
 
 	const renderer = new THREE.WebGLRenderer( { canvas: document.createElement( 'canvas' ) } );
@@ -60,6 +87,15 @@ export async function draw( width, height ) {
 		pictures.update( renderer, texture );
 		drawn[ name ] = render( scene );
 		pngs[ name ] = canvas.toDataURL( 'image/png' );
+
+	}
+
+	drawScreen( canvas.getContext( '2d' ), ...SHOWN.picture );
+	const kinds = {};
+	for ( const [ kind, shown ] of Object.entries( await kindsOf( canvas, renderer ) ) ) {
+
+		pictures.update( renderer, shown );
+		kinds[ kind ] = render( scene );
 
 	}
 
@@ -100,6 +136,6 @@ export async function draw( width, height ) {
 		texture: refusal( () => pictures.update( renderer, canvas ) ),
 	};
 	pictures.dispose();
-	return { drawn, pngs, refusals };
+	return { drawn, kinds, pngs, refusals };
 
 }

@@ -9,7 +9,8 @@ import { withClosedFormAreaLights, withoutAreaLights } from '/examples/three/web
 
 /**
  * @param {{ width: number, height: number, lights: number, forceWebGL: boolean, only?: number, ways?: string[] }} what
- * @returns {Promise<Object>} The backend, pictures from the top left with four numbers per pixel, and milliseconds.
+ * @returns {Promise<Object>} The backend, pictures from the top left with four numbers per pixel, milliseconds, and how often the shader
+ * under one light and under four names the functions of a light.
  */
 export async function draw( { width, height, lights, forceWebGL, only, ways } ) {
 
@@ -63,6 +64,16 @@ export async function draw( { width, height, lights, forceWebGL, only, ways } ) 
 
 	}
 
+	const named = [];
+	for ( const count of ways ? [] : [ 1, 4 ] ) {
+
+		const text = await texts( 'fast' );
+		const scene = litScene( lightsOf( count ), ( material ) => withClosedFormAreaLights( Object.assign( material, { clearcoat: 1 } ), text ) );
+		const { fragmentShader } = await renderer.debug.getShaderAsync( scene, camera, scene.children[ 0 ] );
+		named.push( fragmentShader.match( /(gloss_base|gloss_coat|LTC_Evaluate|fn\d+)\b/g ).length );
+
+	}
+
 	let refusal = null;
 	try {
 
@@ -74,6 +85,6 @@ export async function draw( { width, height, lights, forceWebGL, only, ways } ) 
 
 	}
 
-	return { backend: renderer.backend.constructor.name, of, refusal };
+	return { backend: renderer.backend.constructor.name, of, named, refusal };
 
 }
