@@ -109,7 +109,7 @@ impl From<ClientError> for CommandFailure {
         let mut message = error.to_string();
         let exit = match error {
             ClientError::BadUrl { .. } => Exit::Usage,
-            ClientError::Unavailable { .. } => Exit::Unavailable,
+            ClientError::Unavailable { .. } | ClientError::Proxy { .. } => Exit::Unavailable,
             ClientError::Mismatch { .. } | ClientError::TooShort { .. } | ClientError::LongerThanStated { .. } => {
                 Exit::Mismatch
             }
@@ -131,7 +131,7 @@ impl From<PullError> for CommandFailure {
         match error {
             PullError::Sources(error) => error.into(),
             PullError::File { .. } => failed(error),
-            PullError::Size { .. } => Self::new(Exit::Mismatch, error.to_string()),
+            PullError::Size { .. } | PullError::Drift { .. } => Self::new(Exit::Mismatch, error.to_string()),
             PullError::Place { .. } => usage(error),
         }
     }
@@ -176,6 +176,7 @@ mod tests {
         let digest = Digest::of(b"");
         let cases = [
             (ClientError::Unavailable { url: url(), reason: "x".into() }, 4),
+            (ClientError::Proxy { url: url(), proxy: "p:80".into(), reason: "x".into() }, 4),
             (ClientError::Mismatch { url: url(), expected: digest, actual: digest }, 3),
             (refused(422, vec![fault]), 2),
             (refused(404, vec![]), 1),

@@ -10,7 +10,7 @@ use clap::Args;
 use super::{CommandFailure, file_failure, mismatch, table_file, table_path, tabulated, usage};
 use ltcforge_client::TABLE_BYTES;
 use ltcforge_files::{
-    bounded::{read_file, read_stream},
+    bounded::{read_named, read_stream},
     compact::{self, COMPACT_MAGIC},
     container::{NPY_MAGIC, NpyTable, TableFile, decode_npy},
     digest::Digest,
@@ -97,7 +97,7 @@ impl AnyTable {
     /// See [`Self::read`].
     pub(super) fn named(name: &Path, folder: &TableFolder) -> Result<Self, CommandFailure> {
         let path = table_path(name, folder.tables.as_deref())?;
-        let bytes = read_file(&path, folder.limit.table_limit).map_err(|error| file_failure(&path, &error))?;
+        let bytes = read_named(&path, folder.limit.table_limit).map_err(|error| file_failure(&path, &error))?;
         if bytes.starts_with(COMPACT_MAGIC) {
             let table = compact::decode(&bytes).map_err(|error| mismatch(&path, error))?;
             let ends = |nodes: &Vec<f64>| [nodes.first(), nodes.last()].map(|end| end.copied().unwrap_or_default());
@@ -150,7 +150,7 @@ pub(super) fn recipe_document(name: &Path) -> Result<Vec<u8>, CommandFailure> {
         Some("-") => read_stream(io::stdin().lock(), RECIPE_LIMIT_BYTES)
             .map_err(|error| file_failure(Path::new("standard input"), &error)),
         Some(preset) if is_preset_name(preset) => Ok(serde_json::json!({ "preset": preset }).to_string().into_bytes()),
-        _ => read_file(name, RECIPE_LIMIT_BYTES).map_err(|error| match error.kind() {
+        _ => read_named(name, RECIPE_LIMIT_BYTES).map_err(|error| match error.kind() {
             io::ErrorKind::NotFound => file_failure(
                 name,
                 &"there is no such file; a recipe is a file, a preset such as draft, or - for standard input",
@@ -185,6 +185,6 @@ mod tests {
         let refused = recipe_document(Path::new("{\"preset\": \"draft\"}")).expect_err("no file");
         assert!(refused.message.contains("- for standard input"), "{}", refused.message);
         let refused = recipe_document(Path::new("/dev/zero")).expect_err("no end");
-        assert!(refused.message.contains("longer than 1048576 bytes"), "{}", refused.message);
+        assert!(refused.message.contains("not a regular file"), "{}", refused.message);
     }
 }

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use super::{CommandFailure, file_failure, light_args::LightArgs, usage};
-use ltcforge_files::bounded::read_file;
+use ltcforge_files::bounded::read_named;
 use ltcforge_fit::{BrdfKind, BrdfModel, Configuration, Table};
 use ltcforge_light::{
     AnyLight, LightError, LightModel, LightShape, NormalsRule, TableUse,
@@ -100,7 +100,7 @@ fn rectangle(light: &AnyLight) -> Result<TexturedLight, LightError> {
 
 /// Reads a picture file.
 pub(super) fn read_picture(path: &Path) -> Result<LightImage, CommandFailure> {
-    let bytes = read_file(path, PICTURE_LIMIT_BYTES).map_err(|error| file_failure(path, &error))?;
+    let bytes = read_named(path, PICTURE_LIMIT_BYTES).map_err(|error| file_failure(path, &error))?;
     let picture = LightPicture::decode(&bytes, None).map_err(|error| file_failure(path, &error))?;
     Ok(picture.image)
 }

@@ -9,7 +9,7 @@ use super::{
     CommandFailure, Context, Exit, Threads, check_output_folder, file_failure, light_picture::PICTURE_LIMIT_BYTES,
     listed, named, usage, write_in,
 };
-use ltcforge_files::bounded::read_file;
+use ltcforge_files::bounded::read_named;
 use ltcforge_light::textured::MOST_SQUARE_TEXELS;
 use ltcforge_textures::{
     LightSize, LightTexels, LightTexture, LightTextureError, LightTextureOptions, MOST_PIXELS, PROFILE_FORMAT,
@@ -56,7 +56,7 @@ fn file_name(text: &str) -> Result<String, &'static str> {
 pub(super) fn run(args: &LightTextureArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     check_output_folder(&args.out)?;
     let refuse = |error: &dyn std::fmt::Display| file_failure(&args.picture, error);
-    let bytes = read_file(&args.picture, PICTURE_LIMIT_BYTES).map_err(|error| refuse(&error))?;
+    let bytes = read_named(&args.picture, PICTURE_LIMIT_BYTES).map_err(|error| refuse(&error))?;
     let LightTextureArgs { light, transfer, container, texels, .. } = *args;
     let options = LightTextureOptions { light, transfer, container, texels, most_pixels: MOST_PIXELS };
     let made = args.threads.pool()?.install(|| light_texture(&bytes, &args.name, &options));

@@ -13,7 +13,7 @@ use super::{
     AnyTable, CommandFailure, Context, Exit, Interrupt, TableFolder, Threads, check_output_folder, export,
     file_failure, fit, named, shown, tradeoff::processor_seconds, usage, write_in,
 };
-use ltcforge_files::{bounded::read_file, compact, digest::Digest, recipe_document::canonical_json};
+use ltcforge_files::{bounded::read_named, compact, digest::Digest, recipe_document::canonical_json};
 use ltcforge_fit::{GoOn, Layout, Recipe, Table};
 use ltcforge_plan::{
     Budget, Form, GpuLimit, Needs, Scene, SceneError, TablePlan, document, left_out, of_other_models,
@@ -163,7 +163,7 @@ fn read(path: &Path, go_on: &GoOn<'_>) -> Result<Scene, CommandFailure> {
     let is_list =
         path.extension().and_then(OsStr::to_str).is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
     let scene = if is_list {
-        let bytes = read_file(path, LIST_LIMIT_BYTES).map_err(|error| file_failure(path, &error))?;
+        let bytes = read_named(path, LIST_LIMIT_BYTES).map_err(|error| file_failure(path, &error))?;
         Scene::from_list(&bytes)
     } else {
         Scene::open(path, go_on)

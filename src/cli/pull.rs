@@ -10,7 +10,7 @@ use serde_json::json;
 
 use super::{
     CommandFailure, Context, Exit, Fitting, Measured, SourceArgs, Sources, export_of, failed, file_failure,
-    lock_failure, mismatch, of_pin, shown, table_file::check, usage,
+    lock_failure, mismatch, of_pin, shown, table_file::check, usage, verify::all_of,
 };
 use ltcforge_client::{
     self as client, ExportPin, FilePin, LockFile, Pin, PinState, PullError, Source, SourcesError, Wanted,
@@ -35,7 +35,8 @@ pub struct PullArgs {
 struct Done<'a> {
     path: &'a Path,
     digest: Digest,
-    outcome: &'static str,
+    /// The outcome, or why the file is not right.
+    outcome: Result<&'static str, String>,
 }
 
 /// Downloads or makes every pinned file that is missing or changed. Files are moved into place when all pins have been
@@ -44,18 +45,22 @@ struct Done<'a> {
 pub(super) fn run(args: &PullArgs, sources: &Sources, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let lock_path = &args.sources.lock;
     let lock = LockFile::read(lock_path).map_err(|error| lock_failure(lock_path, &error))?;
+    if args.locked {
+        return check_all(&lock, context);
+    }
     let mut ends = Vec::new();
-    let mut staged = Vec::new();
+    let mut staged = Staged::default();
     for pin in &lock.pins {
         if context.interrupt.is_set() {
             return Err(CommandFailure::interrupted());
         }
+        let count = staged.places().count();
         let fitting = Fitting::new(args.sources.threads, args.sources.entry_limit, context);
-        let mut pulling = Pulling { args, fitting, sources, lock: &lock, context, staged: Staged::default() };
+        let mut pulling = Pulling { args, fitting, sources, lock: &lock, context, staged: &mut staged };
         let mut done = Vec::new();
         let failure = pulling.pin(pin, &mut done).err();
-        if failure.is_none() {
-            staged.push(pulling.staged);
+        if failure.is_some() {
+            staged.truncate(count);
         }
         ends.push((pin, done, failure));
     }
@@ -63,32 +68,46 @@ pub(super) fn run(args: &PullArgs, sources: &Sources, context: &mut Context<'_>)
     let is_wrong = |failure: &CommandFailure| matches!(failure.exit, Exit::Usage | Exit::Mismatch | Exit::Interrupted);
     let places = !failures().any(is_wrong);
     if places {
-        for files in staged {
-            client::place(files)?;
-        }
-    } else {
-        // Reverse order, because a folder can be removed only when it is empty.
-        staged.drain(..).rev().for_each(drop);
+        client::place(staged)?;
     }
     for (pin, done, failure) in &ends {
         // A file that was not moved into place is not reported.
-        let is_done = |done: &&Done<'_>| places && failure.is_none() || done.outcome == UNCHANGED;
-        for Done { path, digest, outcome } in done.iter().filter(is_done) {
-            let value = json!({ "name": pin.name, "path": shown(path), "digest": digest, "outcome": outcome });
-            context.print(&value, &format!("{} {outcome}: {}", pin.name, path.display()))?;
+        let is_done = |done: &&Done<'_>| places && failure.is_none() || done.outcome == Ok(UNCHANGED);
+        for done in done.iter().filter(is_done) {
+            print(pin, done, context)?;
         }
-        if let (Some(failure), true) = (failure, context.json) {
-            let value = json!({
-                "name": pin.name, "path": shown(&pin.path), "digest": pin.digest, "outcome": "failed",
-                "detail": failure.message,
-            });
-            context.print(&value, "")?;
+        if let Some(failure) = failure {
+            let outcome = Err(failure.message.clone());
+            print(pin, &Done { path: &pin.path, digest: pin.digest, outcome }, context)?;
         }
     }
-    let lines: Vec<String> =
-        ends.iter().filter_map(|(pin, _, failure)| Some(of_pin(pin, failure.as_ref()?).message)).collect();
-    let first = failures().next().map(|failure| failure.exit);
-    first.map_or(Ok(Exit::Ok), |exit| Err(CommandFailure::new(exit, lines.join("\n"))))
+    let failures = ends.iter().filter_map(|(pin, _, failure)| Some(of_pin(pin, failure.as_ref()?)));
+    all_of(failures.collect()).map(|()| Exit::Ok)
+}
+
+/// Compares all pinned files with their digests, and reports every file that is missing or changed.
+fn check_all(lock: &LockFile, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+    let mut failures = Vec::new();
+    for (pin, path, digest, bytes) in lock.files() {
+        let checked = client::check_unchanged(path, digest, bytes, &lock.folder).map(|()| UNCHANGED);
+        let outcome = checked.as_ref().copied().map_err(ToString::to_string);
+        print(pin, &Done { path, digest, outcome }, context)?;
+        failures.extend(checked.err().map(|error| of_pin(pin, &error.into())));
+    }
+    all_of(failures).map(|()| Exit::Ok)
+}
+
+/// Prints the outcome for a file. Without `--json`, failures are printed only at the end.
+fn print(pin: &Pin, done: &Done<'_>, context: &mut Context<'_>) -> Result<(), CommandFailure> {
+    let (path, outcome) = (done.path, done.outcome.as_deref().unwrap_or("failed"));
+    let mut value = json!({ "name": pin.name, "path": shown(path), "digest": done.digest, "outcome": outcome });
+    if let Err(detail) = &done.outcome {
+        value["detail"] = detail.as_str().into();
+    }
+    if done.outcome.is_ok() || context.json {
+        context.print(&value, &format!("{} {outcome}: {}", pin.name, path.display()))?;
+    }
+    Ok(())
 }
 
 /// The outcome for a file that was already right.
@@ -100,14 +119,14 @@ struct Pulling<'a, 'b> {
     sources: &'a Sources,
     lock: &'a LockFile,
     context: &'a Context<'b>,
-    /// The files of one pin.
-    staged: Staged,
+    staged: &'a mut Staged,
 }
 
 impl Pulling<'_, '_> {
     /// Pulls a table and the files that are made from it. Adds the outcome for each file to `done`.
     fn pin<'p>(&mut self, pin: &'p Pin, done: &mut Vec<Done<'p>>) -> Result<(), CommandFailure> {
-        let outcome = match self.state(&pin.path, pin.digest, pin.bytes)? {
+        let folder = &self.lock.folder;
+        let outcome = match client::check(&pin.path, pin.digest, pin.bytes, folder)? {
             PinState::Right => UNCHANGED,
             state if self.stages(&Wanted::table(pin.digest, pin.bytes), &pin.path, pin)? => {
                 self.check_recipe(pin, &self.read(pin)?)?;
@@ -115,13 +134,13 @@ impl Pulling<'_, '_> {
             }
             _ => self.fit(pin)?,
         };
-        done.push(Done { path: &pin.path, digest: pin.digest, outcome });
+        done.push(Done { path: &pin.path, digest: pin.digest, outcome: Ok(outcome) });
         // The table is read and measured at most once, and only if a file has to be made.
         let mut read: Option<Measured> = None;
         for export in &pin.exports {
             let mut states = Vec::new();
             for file in &export.file {
-                states.push((file, self.state(&file.path, file.digest, Some(file.bytes))?));
+                states.push((file, client::check(&file.path, file.digest, Some(file.bytes), folder)?));
             }
             let wrong = states.iter().filter(|(_, state)| *state != PinState::Right);
             let wrong: Vec<&FilePin> = wrong.map(|(file, _)| *file).collect();
@@ -140,25 +159,10 @@ impl Pulling<'_, '_> {
                     PinState::Missing => "made",
                     PinState::Different { .. } => "replaced",
                 };
-                done.push(Done { path, digest: *digest, outcome });
+                done.push(Done { path, digest: *digest, outcome: Ok(outcome) });
             }
         }
         Ok(())
-    }
-
-    /// The state of a pinned file. With `--locked`, a missing or changed file is an error.
-    fn state(&self, path: &Path, digest: Digest, bytes: Option<u64>) -> Result<PinState, CommandFailure> {
-        let state = client::check(path, digest, bytes, &self.lock.folder)?;
-        let drift = |reason: String| Err(mismatch(&self.lock.folder.join(path), reason));
-        match state {
-            PinState::Missing if self.args.locked => drift("the file is missing".to_owned()),
-            PinState::Different { actual } if self.args.locked => {
-                let cause = client::change_of_git(path, digest, &self.lock.folder);
-                let cause = cause.map(|cause| format!("; {cause}")).unwrap_or_default();
-                drift(format!("the file has digest {actual}, but {digest} is pinned{cause}"))
-            }
-            state => Ok(state),
-        }
     }
 
     /// Stages a file of a pin from its sources. Returns `false` if no source has the file and it can be made here: an
@@ -169,13 +173,17 @@ impl Pulling<'_, '_> {
         let mut sources = self.sources.of(pin.sources.iter().chain(&self.lock.sources), folder);
         // Folders contain only tables, so only services have other files.
         sources.retain(|source| is_table || matches!(source, Source::Server(_)));
-        let staged = &mut self.staged;
+        let staged = &mut *self.staged;
         let found = self.sources.with_access(&self.context.interrupt, |access| {
             client::stage(wanted, (folder, path), &sources, access, staged)
         });
         match found {
             Ok(()) => Ok(true),
             Err(PullError::Sources(SourcesError::NoneHasIt(_))) if self.args.fit || !is_table => Ok(false),
+            Err(PullError::Sources(error @ SourcesError::NoneHasIt(_))) if pin.recipe.is_some() => {
+                let message = format!("{error}; --from names another source, and --fit fits the table from its recipe");
+                Err(CommandFailure { message, ..error.into() })
+            }
             Err(error) => Err(error.into()),
         }
     }

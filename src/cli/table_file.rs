@@ -2,14 +2,13 @@
 
 use std::{
     collections::BTreeMap,
-    fs,
-    io::{self, Read as _},
+    fs, io,
     path::{Path, PathBuf},
 };
 
 use super::{CommandFailure, failed, file_failure, mismatch, usage};
 use ltcforge_files::{
-    bounded::{read_stream, too_long},
+    bounded::read_named,
     container::{self, TableFile},
     digest::Digest,
     text::other_form,
@@ -63,32 +62,12 @@ pub(super) fn table_path(name: &Path, folder: Option<&Path>) -> Result<PathBuf, 
     }
 }
 
-/// Maximum number of bytes to read before the header states the length of the table.
-const BEGINNING: u64 = 1 << 20;
-
-/// Reads a table file of at most `limit_bytes`. After [`BEGINNING`] bytes, reading stops unless they begin with a
-/// table's header, which then states how many bytes to read.
+/// Reads a table file of at most `limit_bytes`.
 ///
 /// # Errors
-/// When the file cannot be read, is too long, or is not a table.
+/// When the file cannot be read or is too long.
 pub(super) fn read(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, CommandFailure> {
-    let failed = |error: io::Error| file_failure(path, &error);
-    let mut file = fs::File::open(path).map_err(failed)?;
-    if file.metadata().map_err(failed)?.len() > limit_bytes {
-        return Err(failed(too_long("file", limit_bytes)));
-    }
-    let beginning = BEGINNING.min(limit_bytes);
-    let mut bytes = Vec::new();
-    file.by_ref().take(beginning).read_to_end(&mut bytes).map_err(failed)?;
-    let limit_bytes = if bytes.len() as u64 == BEGINNING {
-        container::stated_length(&bytes).map_err(|error| mismatch(path, error))?.clamp(beginning, limit_bytes)
-    } else {
-        limit_bytes
-    };
-    let rest = read_stream(file, limit_bytes - bytes.len() as u64);
-    let is_longer = |error: &io::Error| error.kind() == io::ErrorKind::FileTooLarge;
-    bytes.extend(rest.map_err(|error| failed(if is_longer(&error) { too_long("file", limit_bytes) } else { error }))?);
-    Ok(bytes)
+    read_named(path, limit_bytes).map_err(|error| file_failure(path, &error))
 }
 
 /// Checks and decodes a table file. It must hash to `expected`, or else to the digest in its name, if there is one.
@@ -132,23 +111,6 @@ mod tests {
         let expected = format!("no ff*.safetensors in {}/", folder.path().display());
         assert!(refused.message.ends_with(&expected), "{}", refused.message);
         assert_eq!(find("some/file").expect("a path"), PathBuf::from("some/file"));
-    }
-
-    #[test]
-    fn a_file_that_is_no_table_is_not_read_beyond_its_beginning() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("long");
-        let file = fs::File::create(&path).expect("a file");
-        file.set_len(1 << 40).expect("a sparse file");
-        let of = |limit| read(&path, limit).expect_err("no table");
-        assert!(of(1 << 41).message.contains("EOF while parsing"), "{}", of(1 << 41).message);
-        assert!(of(1 << 39).message.contains("longer than"), "{}", of(1 << 39).message);
-        let header = r#"{"x":{"dtype":"F32","shape":[262144],"data_offsets":[0,1048576]}}"#;
-        fs::write(&path, [&(header.len() as u64).to_le_bytes()[..], header.as_bytes(), &vec![0; 1 << 20]].concat())
-            .expect("a file");
-        assert!(of(1 << 41).message.contains("the key is missing"), "{}", of(1 << 41).message);
-        let refused = read(Path::new("/dev/zero"), 1 << 41).expect_err("no table");
-        assert_eq!(refused.exit, Exit::Mismatch);
     }
 
     #[test]

@@ -20,7 +20,7 @@ use ltcforge_client::Client;
 use ltcforge_files::{
     container::TableFile,
     digest::Digest,
-    recipe_document::{self, DEFAULT_ENTRY_LIMIT, Fault, RecipeError},
+    recipe_document::{self, DEFAULT_ENTRY_LIMIT, Fault, RecipeError, Strict},
     tabulated::{encode, kept_name, locate},
 };
 use ltcforge_fit::{BrdfKind, Recipe, Table, TabulatedAxes, TabulatedBrdf};
@@ -93,7 +93,7 @@ pub(super) fn recipe(
 /// # Errors
 /// All faults of the file, and the server's errors.
 pub(super) fn uploaded(name: &Path, document: Vec<u8>, client: &Client) -> Result<Vec<u8>, CommandFailure> {
-    let Ok(mut recipe) = serde_json::from_slice::<Value>(&document) else { return Ok(document) };
+    let Ok(Strict(mut recipe)) = serde_json::from_slice(&document) else { return Ok(document) };
     let Some(field) = recipe.get_mut("tabulated") else { return Ok(document) };
     let Some(path) = field.as_str().filter(|text| text.parse::<Digest>().is_err()) else { return Ok(document) };
     let found = locate(&folders(name), path).map_err(|details| {

@@ -81,7 +81,7 @@ pub(super) fn run(args: &VerifyArgs, context: &mut Context<'_>) -> Result<Exit, 
 }
 
 /// Combines several failures into one, with the exit code of the first.
-fn all_of(failures: Vec<CommandFailure>) -> Result<(), CommandFailure> {
+pub(super) fn all_of(failures: Vec<CommandFailure>) -> Result<(), CommandFailure> {
     let Some(exit) = failures.first().map(|first| first.exit) else { return Ok(()) };
     let lines: Vec<String> = failures.into_iter().map(|failure| failure.message).collect();
     Err(CommandFailure::new(exit, lines.join("\n")))

@@ -29,11 +29,13 @@ pub(super) fn parse_base(base: &str) -> Result<Uri, ClientError> {
     }
 }
 
-/// Whether a server is on this machine. A proxy cannot reach such a server.
-pub(super) fn is_this_machine(uri: &Uri) -> bool {
+/// Whether a server is reached without a proxy: with http, because `ureq` asks a proxy for a tunnel, which many proxies
+/// allow only for https, and on this machine, which a proxy cannot reach.
+pub(super) fn is_direct(uri: &Uri) -> bool {
     let host = uri.host().unwrap_or_default();
     let address = host.trim_start_matches('[').trim_end_matches(']').parse();
-    host.eq_ignore_ascii_case("localhost") || address.is_ok_and(|address: IpAddr| address.is_loopback())
+    let is_here = host.eq_ignore_ascii_case("localhost") || address.is_ok_and(|address: IpAddr| address.is_loopback());
+    is_here || uri.scheme_str() != Some("https")
 }
 
 #[cfg(test)]
@@ -41,17 +43,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn servers_on_this_machine_are_recognised() {
+    fn a_proxy_is_for_https_to_other_machines() {
         for (base, expected) in [
-            ("http://127.0.0.1:8317", true),
-            ("http://127.9.0.1", true),
-            ("http://[::1]:80", true),
-            ("http://LocalHost:8317/ltc", true),
-            ("http://10.0.0.1:8317", false),
-            ("https://tables.example", false),
-            ("http://127.0.0.1.example", false),
+            ("https://127.0.0.1:8317", true),
+            ("https://127.9.0.1", true),
+            ("https://[::1]:80", true),
+            ("https://LocalHost:8317/ltc", true),
+            ("http://10.0.0.1:8317", true),
+            ("HTTP://tables.example", true),
+            ("https://10.0.0.1:8317", false),
+            ("HTTPS://tables.example", false),
+            ("https://127.0.0.1.example", false),
         ] {
-            assert_eq!(is_this_machine(&base.parse().expect("a URL")), expected, "{base}");
+            assert_eq!(is_direct(&base.parse().expect("a URL")), expected, "{base}");
         }
     }
 

@@ -31,6 +31,16 @@ pub enum ClientError {
         /// The error of the system or of the server.
         reason: String,
     },
+    /// The proxy does not connect to the service.
+    #[error("{url}: the proxy {proxy} does not connect: {reason}; NO_PROXY lists hosts to reach without a proxy")]
+    Proxy {
+        /// The requested URL.
+        url: String,
+        /// The host and port of the proxy.
+        proxy: String,
+        /// The error of the system or of the proxy.
+        reason: String,
+    },
     /// The service refused the request.
     #[error("{url}: {detail} ({status})")]
     Refused {
@@ -143,7 +153,24 @@ fn printable_text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, 
 }
 
 impl ClientError {
-    /// The error of a request that got no response.
+    /// The error of a request that got no response. All connections go to `proxy`, if there is one.
+    pub(super) fn no_response(url: &str, proxy: Option<&str>, error: &ureq::Error) -> Self {
+        use std::io::ErrorKind::{ConnectionRefused, HostUnreachable, NetworkUnreachable};
+        let is_of_proxy = match error {
+            ureq::Error::Io(error) => {
+                matches!(error.kind(), ConnectionRefused | HostUnreachable | NetworkUnreachable)
+            }
+            ureq::Error::Timeout(timeout) => matches!(timeout, ureq::Timeout::Resolve | ureq::Timeout::Connect),
+            ureq::Error::HostNotFound | ureq::Error::ConnectionFailed | ureq::Error::ConnectProxyFailed(_) => true,
+            _ => false,
+        };
+        match (Self::transport(url, error), proxy.filter(|_| is_of_proxy)) {
+            (Self::Unavailable { url, reason }, Some(proxy)) => Self::Proxy { url, proxy: proxy.to_owned(), reason },
+            (error, _) => error,
+        }
+    }
+
+    /// The error of a connection.
     pub(super) fn transport(url: &str, error: &ureq::Error) -> Self {
         // The error may contain the URL of a proxy, with its password.
         let (url, reason) = (url.to_owned(), without_passwords(&error.to_string()));

@@ -29,7 +29,7 @@ pub use lock_error::LockFileError;
 pub use lock_file::{LockFile, read_text};
 pub use lock_text::with_pins;
 pub use pin::{ExportPin, FilePin, Pin, check_pins};
-pub use pull::{PinState, PullError, check, check_size, digest_of_file, place, stage, target};
+pub use pull::{PinState, PullError, check, check_size, check_unchanged, digest_of_file, place, stage, target};
 pub use rest::Client;
 pub use server_tokens::{ServerTokens, ServerTokensError};
 pub use source::{Source, fetch};

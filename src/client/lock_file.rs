@@ -96,6 +96,15 @@ impl LockFile {
         Self::parse(&read_text(path)?, path)
     }
 
+    /// Every pinned file with its pin, digest and size: the table of each pin, then its exported files.
+    pub fn files(&self) -> impl Iterator<Item = (&Pin, &Path, Digest, Option<u64>)> {
+        self.pins.iter().flat_map(|pin| {
+            let exported = pin.exports.iter().flat_map(|export| &export.file);
+            let exported = exported.map(move |file| (pin, &*file.path, file.digest, Some(file.bytes)));
+            std::iter::once((pin, &*pin.path, pin.digest, pin.bytes)).chain(exported)
+        })
+    }
+
     /// Reads the text of the lock file at `path`.
     ///
     /// # Errors

@@ -6,11 +6,12 @@ use std::{
 };
 
 use super::{
-    Access, Source, SourcesError, Wanted,
+    Access, Source, SourcesError, Wanted, change_of_git,
     pin::{KEPT, is_kept},
-    source::{from_first, open_regular},
+    source::from_first,
 };
 use ltcforge_files::{
+    bounded::open_regular,
     digest::Digest,
     replace::{PairError, Staged, folder_of},
 };
@@ -53,6 +54,14 @@ pub enum PullError {
         /// The pinned length.
         stated_bytes: u64,
     },
+    /// The file is missing or has other bytes than the pinned bytes.
+    #[error("{}: {reason}", .path.display())]
+    Drift {
+        /// The file.
+        path: PathBuf,
+        /// The difference.
+        reason: String,
+    },
     /// A link leads to a folder where pinned files are not allowed.
     #[error("{}: the real folder is {}; {reason}", .path.display(), .real.display())]
     Place {
@@ -80,6 +89,22 @@ pub fn check(path: &Path, digest: Digest, stated_bytes: Option<u64>, folder: &Pa
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(PinState::Missing),
         Err(source) => Err(PullError::File { path, source }),
     }
+}
+
+/// Like [`check`], with an error for a file that is missing or changed. The error explains changes that Git made.
+///
+/// # Errors
+/// [`PullError::Drift`], and the errors of [`check`].
+pub fn check_unchanged(path: &Path, digest: Digest, stated_bytes: Option<u64>, folder: &Path) -> Result<(), PullError> {
+    let reason = match check(path, digest, stated_bytes, folder)? {
+        PinState::Right => return Ok(()),
+        PinState::Missing => "the file is missing".to_owned(),
+        PinState::Different { actual } => {
+            let cause = change_of_git(path, digest, folder).map(|cause| format!("; {cause}")).unwrap_or_default();
+            format!("the file has digest {actual}, but {digest} is pinned{cause}")
+        }
+    };
+    Err(PullError::Drift { path: folder.join(path), reason })
 }
 
 /// Checks that a file with the pinned digest has the stated size.

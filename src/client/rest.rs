@@ -9,7 +9,7 @@ use std::{
 use serde::Deserialize;
 use serde_json::Value;
 use ureq::{
-    Agent, Body, Proxy, RequestBuilder,
+    Agent, Body, Proxy, ProxyProtocol, RequestBuilder,
     config::RedirectAuthHeaders,
     http::{Response, Uri},
     tls::{RootCerts, TlsConfig},
@@ -17,7 +17,7 @@ use ureq::{
 
 use super::{
     Access, ClientError, JobDocument, ServerTokens, SourcesError, Wanted,
-    base::{is_this_machine, parse_base},
+    base::{is_direct, parse_base},
     download::copy,
     error::printable,
 };
@@ -40,11 +40,17 @@ const FILE_TIME: Duration = Duration::from_secs(6 * 3600);
 const POLL: Duration = Duration::from_millis(250);
 /// Time limit for reaching an unavailable server again while a job is followed.
 const RECONNECT_LIMIT: Duration = Duration::from_secs(20);
+/// Maximum number of requests to a server that is busy and states in `Retry-After` when to try again.
+const MOST_TRIES: usize = 5;
+/// Maximum time to wait for a busy server. A server that states a longer time has failed.
+const BUSY_LIMIT: Duration = Duration::from_secs(30);
 
 /// A client of one service.
 pub struct Client {
     agent: Agent,
     base: String,
+    /// The host and port of the proxy that connects to the server.
+    proxy: Option<String>,
     /// The value of the `Authorization` header.
     authorization: Option<String>,
 }
@@ -56,14 +62,20 @@ struct Page {
     next: Option<String>,
 }
 
+/// The proxy of the environment for a server. SOCKS proxies are ignored.
+fn proxy_of(server: &Uri) -> Option<Proxy> {
+    let is_http = |proxy: &Proxy| matches!(proxy.protocol(), ProxyProtocol::Http | ProxyProtocol::Https);
+    Proxy::try_from_env().filter(is_http).filter(|_| !is_direct(server))
+}
+
 /// The HTTP agent for a server.
-fn agent(server: &Uri, stall: Duration) -> Agent {
+fn agent(proxy: Option<Proxy>, stall: Duration) -> Agent {
     // The platform's verifier also knows private certificate authorities.
     let tls = TlsConfig::builder().root_certs(RootCerts::PlatformVerifier).build();
     let config = Agent::config_builder()
         .tls_config(tls)
         .http_status_as_error(false)
-        .proxy(Proxy::try_from_env().filter(|_| !is_this_machine(server)))
+        .proxy(proxy)
         .timeout_connect(Some(CONNECT))
         .timeout_recv_response(Some(STALL))
         .timeout_recv_body(Some(DOCUMENT_TIME))
@@ -82,15 +94,23 @@ impl Client {
     /// # Errors
     /// [`ClientError::BadUrl`] when `base` is not an http or https URL, or has a user.
     pub fn new(base: &str, tokens: &ServerTokens) -> Result<Self, ClientError> {
-        Self::with_stall(base, tokens, STALL)
+        Self::with(base, tokens, STALL, proxy_of)
     }
 
-    /// Like [`Self::new`], with another time limit for the head of a response and for each pause.
-    pub(super) fn with_stall(base: &str, tokens: &ServerTokens, stall: Duration) -> Result<Self, ClientError> {
+    /// Like [`Self::new`], with another time limit for each pause, and with another choice of the proxy.
+    pub(super) fn with(
+        base: &str,
+        tokens: &ServerTokens,
+        stall: Duration,
+        proxy_of: impl Fn(&Uri) -> Option<Proxy>,
+    ) -> Result<Self, ClientError> {
         let base = base.trim_end_matches('/').to_owned();
         let uri = parse_base(&base)?;
         let authorization = tokens.of(&uri).map(|token| format!("Bearer {token}"));
-        Ok(Self { agent: agent(&uri, stall), base, authorization })
+        let proxy = proxy_of(&uri);
+        let named = proxy.as_ref().filter(|proxy| !proxy.is_no_proxy(&uri));
+        let named = named.map(|proxy| format!("{}:{}", proxy.host(), proxy.port()));
+        Ok(Self { agent: agent(proxy, stall), base, proxy: named, authorization })
     }
 
     fn signed<B>(&self, request: RequestBuilder<B>) -> RequestBuilder<B> {
@@ -106,8 +126,8 @@ impl Client {
     /// See [`ClientError`].
     pub fn submit(&self, document: &[u8]) -> Result<JobDocument, ClientError> {
         let url = self.url("/v1/jobs");
-        let request = self.signed(self.agent.post(&url)).content_type("application/json");
-        job_of(&url, request.send(document))
+        let request = || self.signed(self.agent.post(&url)).content_type("application/json");
+        self.job_of(&url, &|| request().send(document))
     }
 
     /// Stores the file of a tabulated BRDF, which recipes then name by its digest.
@@ -116,8 +136,8 @@ impl Client {
     /// See [`ClientError`].
     pub fn store_brdf(&self, bytes: &[u8]) -> Result<(), ClientError> {
         let url = self.url("/v1/brdfs");
-        let request = self.signed(self.agent.post(&url)).content_type("application/octet-stream");
-        document(&url, request.send(bytes)).map(drop)
+        let request = || self.signed(self.agent.post(&url)).content_type("application/octet-stream");
+        self.document(&url, &|| request().send(bytes)).map(drop)
     }
 
     /// A job as it is now.
@@ -126,7 +146,7 @@ impl Client {
     /// See [`ClientError`].
     pub fn job(&self, id: JobId) -> Result<JobDocument, ClientError> {
         let url = self.url(&format!("/v1/jobs/{id}"));
-        job_of(&url, self.signed(self.agent.get(&url)).call())
+        self.job_of(&url, &|| self.signed(self.agent.get(&url)).call())
     }
 
     /// Cancels a job.
@@ -135,7 +155,7 @@ impl Client {
     /// See [`ClientError`].
     pub fn cancel(&self, id: JobId) -> Result<JobDocument, ClientError> {
         let url = self.url(&format!("/v1/jobs/{id}"));
-        job_of(&url, self.signed(self.agent.delete(&url)).call())
+        self.job_of(&url, &|| self.signed(self.agent.delete(&url)).call())
     }
 
     /// At most `limit` jobs, newest first.
@@ -149,15 +169,18 @@ impl Client {
         let mut jobs = Vec::new();
         let mut cursor: Option<String> = None;
         while jobs.len() < limit {
-            let mut request = self.signed(self.agent.get(&url));
-            request = request.query("limit", (limit - jobs.len()).min(PAGE).to_string());
-            if let Some(Ok(Value::String(name))) = state.map(serde_json::to_value) {
-                request = request.query("state", name);
-            }
-            if let Some(cursor) = &cursor {
-                request = request.query("cursor", cursor);
-            }
-            let page = document(&url, request.call())?;
+            let send = || {
+                let mut request = self.signed(self.agent.get(&url));
+                request = request.query("limit", (limit - jobs.len()).min(PAGE).to_string());
+                if let Some(Ok(Value::String(name))) = state.map(serde_json::to_value) {
+                    request = request.query("state", name);
+                }
+                if let Some(cursor) = &cursor {
+                    request = request.query("cursor", cursor);
+                }
+                request.call()
+            };
+            let page = self.document(&url, &send)?;
             let page: Page = serde_json::from_slice(&page).map_err(|error| unexpected(&url, &error))?;
             let is_last = page.items.is_empty() || page.next.is_none();
             for item in page.items.into_iter().take(limit - jobs.len()) {
@@ -182,8 +205,12 @@ impl Client {
         sink: &mut dyn Write,
     ) -> Result<(), SourcesError> {
         let url = self.url(&wanted.path);
-        let request = self.signed(self.agent.get(&url)).config().timeout_recv_body(Some(FILE_TIME)).build();
-        let body = successful(&url, request.call())?.into_body();
+        let request = || self.signed(self.agent.get(&url)).config().timeout_recv_body(Some(FILE_TIME)).build();
+        let response = self.successful(&url, &|| request().call(), access.should_stop);
+        if (access.should_stop)() {
+            return Err(SourcesError::Stopped);
+        }
+        let body = response?.into_body();
         let failed = |error| ClientError::transport(&url, &ureq::Error::from(error));
         copy((&url, body.into_reader()), wanted, access, failed, sink)
     }
@@ -214,28 +241,59 @@ impl Client {
     fn url(&self, path: &str) -> String {
         format!("{}{path}", self.base)
     }
-}
 
-/// The response, if its status is a success.
-fn successful(url: &str, sent: Result<Response<Body>, ureq::Error>) -> Result<Response<Body>, ClientError> {
-    let response = sent.map_err(|error| ClientError::transport(url, &error))?;
-    let status = response.status();
-    if status.is_success() {
-        return Ok(response);
+    /// The response, if its status is a success. While the server is busy, the request is sent again. Every request of
+    /// this client may arrive twice: submitting a recipe or a BRDF again has no effect.
+    fn successful(
+        &self,
+        url: &str,
+        send: &SendRequest<'_>,
+        should_stop: &dyn Fn() -> bool,
+    ) -> Result<Response<Body>, ClientError> {
+        let (mut tries, mut left) = (0, BUSY_LIMIT);
+        loop {
+            tries += 1;
+            let response = send().map_err(|error| ClientError::no_response(url, self.proxy.as_deref(), &error))?;
+            let status = response.status();
+            if status.is_success() {
+                return Ok(response);
+            }
+            let pause = retry_after(&response).filter(|pause| *pause <= left && tries < MOST_TRIES);
+            if let Some(pause) = pause {
+                left -= pause;
+                let until = Instant::now() + pause;
+                while Instant::now() < until && !should_stop() {
+                    sleep(POLL.min(until - Instant::now()));
+                }
+                if !should_stop() {
+                    continue;
+                }
+            }
+            // The body of an error may be incomplete. The status alone is enough for an error message.
+            let body = read_stream(response.into_body().into_reader(), DOCUMENT_BYTES).unwrap_or_default();
+            return Err(ClientError::status(url, status.as_u16(), &body));
+        }
     }
-    // The body of an error may be incomplete. The status alone is enough for an error message.
-    let body = read_stream(response.into_body().into_reader(), DOCUMENT_BYTES).unwrap_or_default();
-    Err(ClientError::status(url, status.as_u16(), &body))
+
+    fn document(&self, url: &str, send: &SendRequest<'_>) -> Result<Vec<u8>, ClientError> {
+        let body = self.successful(url, send, &|| false)?.into_body();
+        let read = read_stream(body.into_reader(), DOCUMENT_BYTES);
+        read.map_err(|error| ClientError::transport(url, &ureq::Error::from(error)))
+    }
+
+    fn job_of(&self, url: &str, send: &SendRequest<'_>) -> Result<JobDocument, ClientError> {
+        let body = self.document(url, send)?;
+        serde_json::from_slice(&body).and_then(JobDocument::parse).map_err(|error| unexpected(url, &error))
+    }
 }
 
-fn document(url: &str, sent: Result<Response<Body>, ureq::Error>) -> Result<Vec<u8>, ClientError> {
-    let read = read_stream(successful(url, sent)?.into_body().into_reader(), DOCUMENT_BYTES);
-    read.map_err(|error| ClientError::transport(url, &ureq::Error::from(error)))
-}
+/// Sends a request.
+type SendRequest<'a> = dyn Fn() -> Result<Response<Body>, ureq::Error> + 'a;
 
-fn job_of(url: &str, sent: Result<Response<Body>, ureq::Error>) -> Result<JobDocument, ClientError> {
-    let body = document(url, sent)?;
-    serde_json::from_slice(&body).and_then(JobDocument::parse).map_err(|error| unexpected(url, &error))
+/// The time after which a busy server wants the request again. A date is ignored, because clocks differ.
+fn retry_after(response: &Response<Body>) -> Option<Duration> {
+    let seconds = response.headers().get("retry-after").filter(|_| matches!(response.status().as_u16(), 429 | 503))?;
+    Some(Duration::from_secs(seconds.to_str().ok()?.trim().parse().ok()?))
 }
 
 fn unexpected(url: &str, error: &serde_json::Error) -> ClientError {

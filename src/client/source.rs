@@ -3,7 +3,6 @@
 use std::{
     ffi::OsString,
     fmt,
-    fs::File,
     io::{self, Write},
     path::{Path, PathBuf},
     str::FromStr,
@@ -17,6 +16,7 @@ use super::{
     download::copy,
     error::{bad_url, is_hidden},
 };
+use ltcforge_files::bounded::open_regular;
 
 /// A place that may have a table, written as a URL or as the path of a folder.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
@@ -150,14 +150,6 @@ pub fn fetch(sources: &[Source], wanted: &Wanted, access: &Access<'_>) -> Result
         write(&mut bytes)?;
         Ok(bytes)
     })
-}
-
-/// Opens a regular file. Pipes and devices are rejected: they may be endless, and opening a pipe may block.
-pub(super) fn open_regular(path: &Path) -> io::Result<File> {
-    if !path.metadata()?.is_file() {
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, "this is not a regular file"));
-    }
-    File::open(path)
 }
 
 #[cfg(test)]

@@ -171,9 +171,84 @@ fn an_incomplete_answer_is_abandoned() {
         let _ = stream.read(&mut [0]);
     });
     let url = server_of(vec![half]).0;
-    let stalled = Client::with_stall(&url, &ServerTokens::NONE, Duration::from_millis(50)).expect("a URL");
+    let stalled = Client::with(&url, &ServerTokens::NONE, Duration::from_millis(50), |_| None).expect("a URL");
     let refused = stalled.jobs(None, 1).expect_err("half an answer");
     assert!(matches!(&refused, ClientError::Unavailable { .. }), "{refused}");
+}
+
+fn busy(status: &str, retry_after: &str) -> String {
+    format!("HTTP/1.1 {status}\r\nretry-after: {retry_after}\r\ncontent-length: 0\r\nconnection: close\r\n\r\n")
+}
+
+/// Every call asks a busy server again, at most four times.
+#[test]
+fn a_busy_server_is_asked_again() {
+    let id = "5f70bf18a086007016e948b04aed3b82".parse().expect("an id");
+    let job = document("done").to_string();
+    let page = serde_json::json!({ "items": [document("done")], "next": null }).to_string();
+    type Call<'a> = (&'a str, &'a dyn Fn(&str) -> Result<(), ClientError>);
+    let calls: [Call<'_>; 6] = [
+        ("table", &|url| table(url, b"table", None).map(drop)),
+        (&job, &|url| client(url).submit(b"{}").map(drop)),
+        ("{}", &|url| client(url).store_brdf(b"brdf")),
+        (&job, &|url| client(url).job(id).map(drop)),
+        (&job, &|url| client(url).cancel(id).map(drop)),
+        (&page, &|url| client(url).jobs(None, 1).map(drop)),
+    ];
+    for (body, call) in calls {
+        let whole = answer("application/json", body);
+        let (url, requests) = server(vec![busy("503 x", "0"), busy("429 x", " 0"), whole]);
+        call(&url).unwrap_or_else(|error| panic!("{body}: {error}"));
+        let requests = requests.join().expect("three requests");
+        assert!(requests.iter().all(|request| *request == requests[0]), "{requests:?}");
+    }
+    let (url, requests) = server(vec![busy("503 x", "0"); 5]);
+    assert!(matches!(client(&url).job(id), Err(ClientError::Unavailable { .. })));
+    requests.join().expect("five requests");
+}
+
+/// A server that is away for long, states no seconds, or refuses for another reason is asked once.
+#[test]
+fn a_server_that_is_away_for_long_is_asked_once() {
+    for (status, retry_after) in [
+        ("503 x", "31"),
+        ("503 x", "18446744073709551616"),
+        ("503 x", "-1"),
+        ("503 x", "Wed, 21 Oct 2026 07:28:00 GMT"),
+        ("404 x", "0"),
+        ("500 x", "0"),
+    ] {
+        let (url, requests) = server(vec![busy(status, retry_after)]);
+        table(&url, b"table", None).expect_err(retry_after);
+        requests.join().expect("one request");
+    }
+}
+
+#[test]
+fn a_download_that_waits_for_a_busy_server_can_be_stopped() {
+    let (url, requests) = server(vec![busy("503 x", "30")]);
+    let access =
+        Access { table_bytes: TABLE_BYTES, offline: false, tokens: &ServerTokens::NONE, should_stop: &|| true };
+    let stopped = fetch(&[Source::server(&url).expect("a URL")], &Wanted::table(Digest::of(b""), None), &access);
+    assert!(matches!(stopped, Err(SourcesError::Stopped)));
+    requests.join().expect("one request");
+}
+
+#[test]
+fn a_proxy_that_does_not_connect_is_named() {
+    let job = "5f70bf18a086007016e948b04aed3b82".parse().expect("an id");
+    let refuses = "HTTP/1.1 403 Forbidden\r\ncontent-length: 0\r\nconnection: close\r\n\r\n".to_owned();
+    let (proxy, requests) = server(vec![refuses]);
+    for proxy in [proxy.replace("http://", "http://user:s3cret@"), "http://127.0.0.1:1".to_owned()] {
+        let with = |_: &_| ureq::Proxy::new(&proxy).ok();
+        let client = Client::with("https://mirror.example", &ServerTokens::NONE, Duration::from_secs(9), with);
+        let refused = client.expect("a URL").job(job).expect_err("no connection");
+        assert!(matches!(refused, ClientError::Proxy { .. }), "{refused:?}");
+        let host = proxy.rsplit(['@', '/']).next().expect("a host");
+        assert!(refused.to_string().contains(&format!("the proxy {host} does not connect: ")), "{refused}");
+        assert!(!refused.to_string().contains("s3cret"), "{refused}");
+    }
+    assert!(requests.join().expect("a request")[0].starts_with("CONNECT mirror.example:443 "));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Reads files and lines up to a length limit.
+//! Reads files and lines up to a length limit, and never waits for a writer of a FIFO.
 
 use std::{
     fs::File,
@@ -6,12 +6,52 @@ use std::{
     path::Path,
 };
 
-/// Reads a file of at most `most_bytes`. A file whose metadata states a larger size is not read.
+/// The empty device. It stands for an empty file.
+const EMPTY: &str = "/dev/null";
+
+/// Opens a regular file. FIFOs and devices are rejected: they may block or be endless.
 ///
 /// # Errors
-/// A system error; [`io::ErrorKind::FileTooLarge`] for a longer file.
+/// A system error; [`io::ErrorKind::InvalidInput`] for anything but a regular file.
+pub fn open_regular(path: &Path) -> io::Result<File> {
+    let mut options = File::options();
+    // Without the flag, opening a FIFO waits for its writer.
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, rustix::fs::OFlags::NONBLOCK.bits().cast_signed());
+    let file = options.read(true).open(path)?;
+    if file.metadata()?.is_file() || path == Path::new(EMPTY) {
+        return Ok(file);
+    }
+    Err(io::Error::new(io::ErrorKind::InvalidInput, "this is not a regular file"))
+}
+
+/// Opens a file that the user named: a regular file, or a pipe of this process, such as `/dev/fd/63` for `<(command)`.
+///
+/// # Errors
+/// Like [`open_regular`].
+pub fn open_named(path: &Path) -> io::Result<File> {
+    // A pipe without a name in a folder has no canonical path.
+    let is_pipe = path.exists() && path.canonicalize().is_err();
+    if is_pipe { File::open(path) } else { open_regular(path) }
+}
+
+/// Reads a regular file of at most `most_bytes`. A file whose metadata states a larger size is not read.
+///
+/// # Errors
+/// Like [`open_regular`]; [`io::ErrorKind::FileTooLarge`] for a longer file.
 pub fn read_file(path: &Path, most_bytes: u64) -> io::Result<Vec<u8>> {
-    let file = File::open(path)?;
+    read_opened(open_regular(path)?, most_bytes)
+}
+
+/// Like [`read_file`], for a file that the user named, see [`open_named`].
+///
+/// # Errors
+/// Like [`read_file`].
+pub fn read_named(path: &Path, most_bytes: u64) -> io::Result<Vec<u8>> {
+    read_opened(open_named(path)?, most_bytes)
+}
+
+fn read_opened(file: File, most_bytes: u64) -> io::Result<Vec<u8>> {
     if file.metadata()?.len() > most_bytes {
         return Err(too_long("file", most_bytes));
     }
@@ -45,8 +85,7 @@ pub fn read_line(stream: &mut impl BufRead, line: &mut Vec<u8>, most_bytes: u64)
 }
 
 /// The error for a file or line above the limit.
-#[must_use]
-pub fn too_long(what: &str, most_bytes: u64) -> io::Error {
+fn too_long(what: &str, most_bytes: u64) -> io::Error {
     io::Error::new(io::ErrorKind::FileTooLarge, format!("the {what} is longer than {most_bytes} bytes, the limit"))
 }
 
@@ -76,8 +115,39 @@ mod tests {
         assert_eq!(read_file(&path, 3).expect("three bytes"), b"abc");
         let refused = read_file(&path, 2).expect_err("a byte more");
         assert_eq!(refused.to_string(), "the file is longer than 2 bytes, the limit");
-        // /dev/zero states a length of zero, and never ends.
-        assert_eq!(read_file(Path::new("/dev/zero"), 9).expect_err("endless").kind(), io::ErrorKind::FileTooLarge);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn only_regular_files_and_open_pipes_are_read() {
+        use std::os::fd::AsRawFd as _;
+
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name);
+        rustix::fs::mknodat(rustix::fs::CWD, path("fifo"), rustix::fs::FileType::Fifo, rustix::fs::Mode::RWXU, 0)
+            .expect("a FIFO");
+        std::fs::write(path("file"), "abc").expect("a file");
+        for (name, to) in [("zero", "/dev/zero"), ("to-fifo", "fifo"), ("to-file", "file")] {
+            std::os::unix::fs::symlink(to, path(name)).expect("a link");
+        }
+        for read in [read_file, read_named] {
+            for name in ["fifo", "zero", "to-fifo", "."] {
+                let refused = read(&path(name), 9).expect_err(name).to_string();
+                assert_eq!(refused, "this is not a regular file", "{name}");
+            }
+            assert_eq!(read(&path("missing"), 9).expect_err("no file").kind(), io::ErrorKind::NotFound);
+            assert_eq!(read(&path("to-file"), 3).expect("a link to a file"), b"abc");
+            assert_eq!(read(Path::new(EMPTY), 3).expect("no bytes"), b"");
+        }
+        let of_pipe = |read: fn(&Path, u64) -> io::Result<Vec<u8>>, most_bytes| {
+            let (reader, mut writer) = io::pipe().expect("a pipe");
+            io::Write::write_all(&mut writer, b"abc").expect("three bytes");
+            drop(writer);
+            read(Path::new(&format!("/dev/fd/{}", reader.as_raw_fd())), most_bytes)
+        };
+        assert_eq!(of_pipe(read_named, 3).expect("three bytes"), b"abc");
+        assert_eq!(of_pipe(read_named, 2).expect_err("a byte more").kind(), io::ErrorKind::FileTooLarge);
+        assert!(of_pipe(read_file, 3).is_err());
     }
 
     #[test]

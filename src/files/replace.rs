@@ -7,6 +7,7 @@ use std::{
     fs::{self, File},
     io::{self, Write as _},
     path::{Path, PathBuf},
+    sync::Arc,
 };
 
 use tempfile::{NamedTempFile, TempPath};
@@ -40,7 +41,7 @@ pub fn replace_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// # Errors
 /// The file cannot be written. No temporary file remains.
 pub fn replace_cached_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut file = temporary_file(folder_of(path))?;
+    let mut file = temporary_file(folder_of(path), None)?;
     file.write_all(bytes)?;
     file.persist(path)?;
     Ok(())
@@ -72,9 +73,30 @@ pub fn replace_pair(first: (&Path, &[u8]), second: (&Path, &[u8])) -> Result<(),
 #[derive(Debug, Default)]
 pub struct Staged {
     /// Temporary files, which are deleted when dropped, and their destinations.
-    files: Vec<(TempPath, PathBuf)>,
+    files: Vec<(Temporary, PathBuf)>,
     /// The created folders, in order.
     folders: Vec<PathBuf>,
+}
+
+/// Maximum number of folders that a [`Staged`] keeps open. Systems often allow a process 1,024 open files.
+const MOST_OPEN: usize = 256;
+
+/// A temporary file, deleted when dropped.
+#[derive(Debug)]
+struct Temporary {
+    path: TempPath,
+    /// The open folder of the file. Through it, the file is deleted even if another folder has the path by then.
+    folder: Option<Arc<File>>,
+}
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        #[cfg(unix)]
+        if let (Some(folder), Some(name)) = (&self.folder, self.path.file_name()) {
+            // The file is missing if it was moved to its destination.
+            let _ = rustix::fs::unlinkat(folder, name, rustix::fs::AtFlags::empty());
+        }
+    }
 }
 
 impl Staged {
@@ -95,7 +117,9 @@ impl Staged {
         }
         let folder = folder_of(place);
         self.make_folder(folder)?;
-        let (mut file, temporary) = temporary_file(folder)?.into_parts();
+        let open = self.open_folder(folder);
+        let (mut file, path) = temporary_file(folder, open.as_deref())?.into_parts();
+        let temporary = Temporary { path, folder: open };
         let written = write(&mut file)?;
         if let Ok(old) = place.symlink_metadata()
             && old.is_file()
@@ -110,7 +134,7 @@ impl Staged {
     /// The path of the temporary file for `place`, if it is staged.
     #[must_use]
     pub fn path_of(&self, place: &Path) -> Option<&Path> {
-        self.files.iter().find(|(_, other)| other == place).map(|(temporary, _)| &**temporary)
+        self.files.iter().find(|(_, other)| other == place).map(|(temporary, _)| &*temporary.path)
     }
 
     /// The destinations of all staged files.
@@ -132,10 +156,26 @@ impl Staged {
     /// The first file that cannot be moved. Files moved before it stay; the others are dropped.
     pub fn place(mut self) -> Result<(), PairError> {
         while let Some((temporary, place)) = self.files.pop() {
-            let placed = temporary.persist(&place).map_err(io::Error::from);
+            let placed = fs::rename(&temporary.path, &place);
             placed.and_then(|()| sync_folder(folder_of(&place))).map_err(|source| PairError { path: place, source })?;
         }
         Ok(())
+    }
+
+    /// Drops the files that were staged after the first `count`.
+    pub fn truncate(&mut self, count: usize) {
+        self.files.truncate(count);
+    }
+
+    /// An open handle of a folder. `None` if too many are open, or where the system cannot open folders.
+    fn open_folder(&self, folder: &Path) -> Option<Arc<File>> {
+        let open =
+            |(temporary, place): &(Temporary, PathBuf)| temporary.folder.clone().filter(|_| folder_of(place) == folder);
+        let shared = self.files.iter().find_map(open);
+        if shared.is_some() || self.files.len() >= MOST_OPEN {
+            return shared;
+        }
+        File::open(folder).ok().map(Arc::new)
     }
 
     /// Creates a folder and its parents, and remembers which of them were missing.
@@ -167,7 +207,7 @@ impl Drop for Staged {
 pub fn check_folder(folder: &Path) -> io::Result<()> {
     let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     match fs::metadata(here) {
-        Ok(found) if found.is_dir() => temporary_file(here)?.close(),
+        Ok(found) if found.is_dir() => temporary_file(here, None)?.close(),
         Ok(_) => Err(io::ErrorKind::NotADirectory.into()),
         Err(error) if error.kind() == io::ErrorKind::NotFound && here.symlink_metadata().is_err() => {
             match here.parent() {
@@ -199,11 +239,21 @@ pub fn sync_folder(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// A new file in `folder` with the usual permissions. The permissions of `tempfile` would let only the owner read it.
-fn temporary_file(folder: &Path) -> io::Result<NamedTempFile> {
+/// A new file in `folder`, whose handle may be `open`, with the usual permissions. The permissions of `tempfile` would
+/// let only the owner read it.
+#[cfg_attr(not(unix), expect(unused_variables, reason = "only Unix opens files in open folders"))]
+fn temporary_file(folder: &Path, open: Option<&File>) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(TEMPORARY_PREFIX).suffix(".part");
-    builder.make_in(folder, |path| File::options().write(true).create_new(true).open(path))
+    builder.make_in(folder, |path| {
+        #[cfg(unix)]
+        if let (Some(open), Some(name)) = (open, path.file_name()) {
+            use rustix::fs::{Mode, OFlags, openat};
+            let flags = OFlags::WRONLY | OFlags::CREATE | OFlags::EXCL | OFlags::CLOEXEC;
+            return Ok(openat(open, name, flags, Mode::from_raw_mode(0o666))?.into());
+        }
+        File::options().write(true).create_new(true).open(path)
+    })
 }
 
 #[cfg(test)]
@@ -338,6 +388,28 @@ mod tests {
             assert_eq!([&old, &new, &twice].map(|path| fs::read(path).expect("a file")), [b"1", b"2", b"3"]);
             assert_eq!(fs::read_dir(folder.path().join("a")).expect("the folder").count(), 2, "nothing else is left");
         }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_folder_that_is_moved_keeps_no_temporary_file() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let [assets, moved, other] = ["assets", "moved", "other"].map(|name| folder.path().join(name));
+        for made in [&assets, &other] {
+            fs::create_dir(made).expect("a folder");
+        }
+        let mut staged = Staged::default();
+        for name in ["a", "b"] {
+            write(&mut staged, &assets.join(name), b"x");
+        }
+        fs::rename(&assets, &moved).expect("a folder");
+        std::os::unix::fs::symlink(&other, &assets).expect("a link");
+        write(&mut staged, &assets.join("c"), b"x");
+        assert_eq!((count(&moved), count(&other)), (3, 0), "a file is in another folder");
+        staged.truncate(1);
+        assert_eq!(count(&moved), 1);
+        assert!(staged.place().is_err());
+        assert_eq!((count(&moved), count(&other)), (0, 0), "a temporary file is left");
     }
 
     #[test]

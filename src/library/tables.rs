@@ -1,12 +1,13 @@
 //! Tables in folders.
 
 use std::{
-    fs, io,
+    io,
     path::{Path, PathBuf},
 };
 
 use super::{Error, RecipeDocument as _, fit};
 use ltcforge_files::{
+    bounded::read_file,
     container::{self, TableFile},
     digest::Digest,
     replace::{PairError, replace_file, replace_pair},
@@ -22,7 +23,7 @@ use ltcforge_fit::{Recipe, Table};
 /// [`Error::File`] for a folder that cannot be read or written, and the errors of [`fit()`].
 pub fn cached(recipe: &Recipe, folder: impl AsRef<Path>) -> Result<TableFile, Error> {
     let path = folder.as_ref().join(format!("{}.safetensors", recipe.digest().hex()));
-    match fs::read(&path) {
+    match read_file(&path, u64::MAX) {
         Ok(bytes) => {
             if let Ok(file) = container::decode(&bytes)
                 && file.recipe == *recipe

@@ -9,6 +9,8 @@ use std::{
     thread,
 };
 
+use serde_json::Value;
+
 use super::project::{NOBODY, files_of, modified, pinned, project, pull, read};
 use crate::common::{SMALL, command::run, server::Server};
 use ltcforge::files::digest::Digest;
@@ -104,6 +106,36 @@ fn pull_restores_changed_files_and_locked_reports_them() {
 }
 
 #[test]
+fn locked_lists_every_file_that_is_missing_or_changed() {
+    let (_folder, project) = project();
+    run(&project, ["lock", "other", "--recipe", "../small.json", "--to", "assets/other"]).exited(0);
+    let mut pinned = files_of(&project.join("assets"));
+    // The last file stays, all others are missing or changed.
+    let (right, _) = pinned.pop().expect("a file");
+    for (i, (path, _)) in pinned.iter().enumerate() {
+        match i % 2 {
+            0 => fs::remove_file(path).expect("a file"),
+            _ => fs::write(path, "drifted").expect("a drifted file"),
+        }
+    }
+    let below = |path: &std::path::Path| path.strip_prefix(&project).expect("a path below").display().to_string();
+    let text = run(&project, ["pull", "--locked"]).exited(3);
+    assert_eq!(text.complaints().len(), pinned.len(), "{text:#?}");
+    let json = run(&project, ["pull", "--locked", "--json"]).exited(3);
+    let documents: Vec<Value> =
+        json.stdout.lines().map(|line| serde_json::from_str(line).expect("a document a line")).collect();
+    assert_eq!(documents.len(), pinned.len() + 1, "{json:#?}");
+    for path in pinned.iter().map(|(path, _)| path).chain([&right]) {
+        let path_below = below(path);
+        let line = documents.iter().find(|document| document["path"] == path_below.as_str()).expect("a document");
+        let is_right = *path == right;
+        assert_eq!(line["outcome"], if is_right { "unchanged" } else { "failed" }, "{line:#}");
+        assert_eq!(line["detail"].as_str().is_some_and(|detail| detail.contains(&path_below)), !is_right, "{line:#}");
+        assert_eq!(text.complaints().iter().any(|line| line.contains(&path_below)), !is_right, "{text:#?}");
+    }
+}
+
+#[test]
 fn the_name_of_a_folder_of_tables_need_not_be_utf_8() {
     let (folder, project) = project();
     let before = files_of(&project);
@@ -171,7 +203,8 @@ fn a_table_without_a_source_is_fitted_again_and_checked_against_its_digest() {
     let (_folder, project) = project();
     let before = files_of(&project);
     fs::remove_dir_all(project.join("assets")).expect("a folder");
-    run(&project, ["pull", "--offline"]).exited(4);
+    let without = run(&project, ["pull", "--offline"]).exited(4);
+    assert!(without.stderr.contains("--fit fits the table from its recipe"), "{without:#?}");
     let fitted = run(&project, ["pull", "--offline", "--fit"]).exited(0);
     assert!(fitted.stdout.starts_with("metal fitted: assets/metal.safetensors\nmetal made: "), "{}", fitted.stdout);
     assert_eq!(files_of(&project), before);

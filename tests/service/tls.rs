@@ -2,7 +2,7 @@
 
 use std::{fs, io::Write as _, net::TcpStream, path::Path};
 
-use rcgen::{CertifiedKey, generate_simple_self_signed};
+use rcgen::{CertificateParams, CertifiedKey, KeyPair, date_time_ymd, generate_simple_self_signed};
 
 use crate::common::{
     command::{ltcforge, run},
@@ -55,7 +55,17 @@ fn a_certificate_is_used_and_renewed_without_a_restart() {
     assert!(second.starts_with("-----BEGIN CERTIFICATE-----"));
     eventually("the second certificate", || trusts("second.pem").then_some(()));
     assert!(!trusts("first.pem"));
-    drop(server);
+
+    // An expired certificate is used, because the clock may be wrong, but the log reports it.
+    let mut expired = CertificateParams::new(["localhost".to_owned()]).expect("a name");
+    expired.not_after = date_time_ymd(2020, 1, 1);
+    let pair = KeyPair::from_pem(&fs::read_to_string(&key).expect("a key")).expect("a key");
+    fs::write(&chain, expired.self_signed(&pair).expect("a certificate").pem()).expect("a file");
+    eventually("the expired certificate", || (!trusts("second.pem")).then_some(()));
+    let log = server.stop("TERM").stderr;
+    let warned = log.matches("chain.pem: a certificate expired at 2020-01-01T00:00:00Z").count();
+    assert_eq!(warned, 1, "{log}");
+    fs::copy(path("second.pem"), &chain).expect("a file");
 
     for (certificate, key, message) in [
         ("chain.pem", "none.pem", "none.pem"),

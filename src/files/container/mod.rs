@@ -6,5 +6,5 @@ mod safetensors;
 
 pub use self::{
     npy::{NPY_MAGIC, NpyError, NpyTable, decode_npy},
-    safetensors::{TableFile, TableFileError, decode, encode, stated_length},
+    safetensors::{TableFile, TableFileError, decode, encode},
 };

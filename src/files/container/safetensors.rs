@@ -135,32 +135,6 @@ pub fn encode(recipe: &Recipe, table: &Table) -> Result<Vec<u8>, TableFileError>
         .map_err(|error| TableFileError::Container(error.to_string()))
 }
 
-/// The length of a canonical file, computed from the complete header at its beginning. This detects other files before
-/// they are read.
-///
-/// # Errors
-/// The header is incomplete, is not that of a table, or has no recipe.
-pub fn stated_length(beginning: &[u8]) -> Result<u64, TableFileError> {
-    let refused = |reason: String| TableFileError::Container(reason);
-    let (length, rest) =
-        beginning.split_first_chunk::<8>().ok_or_else(|| refused("the file is too short".to_owned()))?;
-    let length = u64::from_le_bytes(*length);
-    let header = usize::try_from(length).ok().and_then(|length| rest.get(..length));
-    let header = header.ok_or_else(|| {
-        refused(format!("the header has {length} bytes, but at most {} are present or allowed", rest.len()))
-    })?;
-    let header: Metadata = serde_json::from_slice(header).map_err(|error| refused(error.to_string()))?;
-    let recipe = recipe_of(&header)?;
-    let nodes = recipe.nodes().lengths().named().iter().map(|(_, n)| **n).sum::<usize>() as u64;
-    let number = match recipe.precision {
-        Precision::F32 => 4,
-        Precision::F16 => 2,
-    };
-    // The extra number is the error at the node.
-    let numbers = recipe.entry_numbers() + 1;
-    Ok(8 + length + recipe.entries() * numbers * number + 8 * nodes)
-}
-
 fn recipe_of(header: &Metadata) -> Result<Recipe, TableFileError> {
     let text = header.metadata().as_ref().and_then(|metadata| metadata.get(RECIPE_KEY));
     let text = text.ok_or_else(|| TableFileError::Recipe("the key is missing".to_owned()))?;

@@ -14,7 +14,6 @@ mod terms;
 
 use std::ops::RangeInclusive;
 
-use self::strict::Strict;
 use crate::{
     digest::Digest,
     json_size::JsonLimits,
@@ -27,6 +26,7 @@ pub use document::DEFAULT_ENTRY_LIMIT;
 pub use fault::Fault;
 pub use preset::Preset;
 pub use schema::schema;
+pub use strict::Strict;
 
 /// The size limits of a document: twice the nodes of four full axes.
 const LIMITS: JsonLimits = JsonLimits { items: 1 << 12, values: 1 << 17 };

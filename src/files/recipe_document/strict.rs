@@ -10,8 +10,8 @@ use serde::{
 };
 use serde_json::{Map, Number, Value};
 
-/// A JSON value.
-pub(super) struct Strict(pub(super) Value);
+/// A JSON value in which no object repeats a field.
+pub struct Strict(pub Value);
 
 impl<'de> Deserialize<'de> for Strict {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {

@@ -19,7 +19,7 @@ use safetensors::{
     tensor::{Metadata, TensorView},
 };
 
-use crate::{digest::Digest, tensor::Tensor, text::other_form};
+use crate::{digest::Digest, recipe_document::Strict, tensor::Tensor, text::other_form};
 use ltcforge_fit::{TabulatedAxes, TabulatedBrdf, TabulatedFile};
 
 pub use find::{FindBrdf, Located, kept_name, locate, no_files};
@@ -75,10 +75,14 @@ fn read(bytes: &[u8]) -> Result<TabulatedBrdf, Vec<String>> {
     if bytes.len() as u64 > TABULATED_LIMIT_BYTES {
         return Err(vec![format!("{} bytes; allowed: at most {TABULATED_LIMIT_BYTES}", bytes.len())]);
     }
-    if let Some(length) = header_length(bytes).filter(|length| *length > TABULATED_HEADER_LIMIT_BYTES) {
+    let length = header_length(bytes).unwrap_or_default();
+    if length > TABULATED_HEADER_LIMIT_BYTES {
         return Err(vec![format!("a header of {length} bytes; allowed: at most {TABULATED_HEADER_LIMIT_BYTES}")]);
     }
     let file = SafeTensors::deserialize(bytes).map_err(|error| vec![format!("not a safetensors file: {error}")])?;
+    if let Err(error) = serde_json::from_slice::<Strict>(&bytes[8..8 + length as usize]) {
+        return Err(vec![format!("the header is invalid: {error}; name each tensor once")]);
+    }
     let mut faults = Vec::new();
     let names = TabulatedAxes::default().named().map(|(name, _)| name);
     let mut found = file.names();

@@ -55,6 +55,25 @@ fn an_anisotropic_file_reads_back_as_itself() {
     }
 }
 
+/// Readers differ in which of two equal names they use.
+#[test]
+fn a_header_that_repeats_a_name_is_refused() {
+    let bytes = planted(&[0.5]);
+    let end = 8 + u64::from_le_bytes(*bytes.first_chunk().expect("a header")) as usize;
+    let header: serde_json::Value = serde_json::from_slice(&bytes[8..end]).expect("JSON");
+    let header = header.as_object().expect("tensors");
+    for name in header.keys() {
+        // The last tensor of a name is valid, the first differs from it.
+        for first in [r#"{"dtype":"F64","shape":[0],"data_offsets":[0,0]}"#, &header[name].to_string()] {
+            let header = serde_json::to_string(header).expect("JSON");
+            let header = format!("{{\"{name}\":{first},{}", &header[1..]);
+            let repeated = [&(header.len() as u64).to_le_bytes(), header.as_bytes(), &bytes[end..]].concat();
+            let refused = decode(&repeated).expect_err("two tensors").to_string();
+            assert!(refused.contains(&format!("the field «{name}» is repeated")), "{refused}");
+        }
+    }
+}
+
 #[test]
 fn a_file_is_known_by_a_short_header() {
     let bytes = planted(&[0.5]);

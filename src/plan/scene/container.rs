@@ -2,7 +2,7 @@
 //! folder are read.
 
 use std::{
-    io::{Error, ErrorKind},
+    io::ErrorKind,
     path::{Component, Path, PathBuf},
 };
 
@@ -30,7 +30,7 @@ pub(super) struct Container {
 impl Container {
     /// Reads a scene's file.
     pub(super) fn open(path: &Path) -> Result<Self, SceneError> {
-        let bytes = read(path, MOST_BYTES).map_err(|error| match error.kind() {
+        let bytes = read_file(path, MOST_BYTES).map_err(|error| match error.kind() {
             ErrorKind::FileTooLarge => SceneError::fault("", error.to_string()),
             _ => SceneError::Open(error),
         })?;
@@ -68,19 +68,13 @@ impl Container {
         if !path.starts_with(folder) {
             return Err(fault(format!("\"{name}\" is a link that leaves the scene's folder")));
         }
-        let bytes = read(&path, self.left).map_err(|error| match error.kind() {
+        let bytes = read_file(&path, self.left).map_err(|error| match error.kind() {
             ErrorKind::FileTooLarge => fault(format!("the files of the scene have more than {MOST_BYTES} bytes")),
             _ => missing(&format!("cannot be read: {error}")),
         })?;
         self.left -= bytes.len() as u64;
         Ok(bytes)
     }
-}
-
-/// The bytes of a regular file, at most `most_bytes`.
-fn read(path: &Path, most_bytes: u64) -> Result<Vec<u8>, Error> {
-    // Opening a pipe would wait for its writer.
-    if path.metadata()?.is_file() { read_file(path, most_bytes) } else { Err(Error::other("not a file")) }
 }
 
 /// Whether a path stays below the folder that it starts from.

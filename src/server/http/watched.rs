@@ -1,14 +1,13 @@
 //! Small files that may change while the service runs: tokens, certificate and key.
 
 use std::{
-    fs::{self, OpenOptions},
-    io::{self, Read as _},
-    os::unix::fs::{MetadataExt as _, OpenOptionsExt as _},
+    fs, io,
+    os::unix::fs::MetadataExt as _,
     path::{Path, PathBuf},
     sync::{Mutex, PoisonError},
 };
 
-use rustix::fs::OFlags;
+use ltcforge_files::bounded::read_file;
 
 /// Maximum length of a file in bytes, about ten thousand tokens.
 pub(super) const LONGEST_FILE: u64 = 1 << 20;
@@ -46,17 +45,7 @@ impl Watched {
 
 /// Reads a regular file of at most [`LONGEST_FILE`] bytes. It never waits for a FIFO or reads a device.
 pub(super) fn read(path: &Path) -> io::Result<Vec<u8>> {
-    let no_wait = i32::try_from(OFlags::NONBLOCK.bits()).unwrap_or_default();
-    let file = OpenOptions::new().read(true).custom_flags(no_wait).open(path)?;
-    if !file.metadata()?.is_file() {
-        return Err(io::Error::other("not a regular file"));
-    }
-    let mut bytes = Vec::new();
-    file.take(LONGEST_FILE + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > LONGEST_FILE {
-        return Err(io::Error::other(format!("the file is longer than {LONGEST_FILE} bytes")));
-    }
-    Ok(bytes)
+    read_file(path, LONGEST_FILE)
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! The root certificates for verifying servers.
 
-use std::{env, fs::File};
+use std::env;
 
+use ltcforge_files::bounded::open_regular;
 use rustls::pki_types::CertificateDer;
 
 /// Loads the system's certificates, or the certificates of `SSL_CERT_FILE` and `SSL_CERT_DIR`.
@@ -11,7 +12,7 @@ use rustls::pki_types::CertificateDer;
 pub(super) fn load() -> Result<Vec<CertificateDer<'static>>, String> {
     let file = env::var_os("SSL_CERT_FILE");
     if let Some(file) = &file {
-        File::open(file).map_err(|error| format!("SSL_CERT_FILE={} cannot be read: {error}", file.display()))?;
+        open_regular(file).map_err(|error| format!("SSL_CERT_FILE={} cannot be read: {error}", file.display()))?;
     }
     let loaded = rustls_native_certs::load_native_certs();
     if loaded.certs.is_empty() {
