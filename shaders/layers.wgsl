@@ -3,8 +3,8 @@
 // and needs no table.
 
 /// The light that a metal reflects, by F82, OpenPBR's Fresnel factor for metals. tint is the fraction of Schlick's
-/// factor that remains at 82 degrees. The formula may give a negative result if f0 and tint are low. parts is
-/// the reflected light from a light model: for a Fresnel factor of one (x), and weighted by Schlick's fifth power (y).
+/// factor that remains at 82 degrees. F82 is negative near 75 degrees if f0 and tint are low; the result is then 0. parts
+/// is the reflected light from a light model: for a Fresnel factor of one (x), and weighted by Schlick's fifth power (y).
 /// For a table, parts is vec2(amplitude, fresnel) times the covered part.
 fn layers_metal(parts: vec2<f32>, f0: vec3<f32>, tint: vec3<f32>) -> vec3<f32> {
     // edge is the light weighted by x (1 - x)^6, where x is the cosine at which Schlick's power equals
@@ -14,7 +14,8 @@ fn layers_metal(parts: vec2<f32>, f0: vec3<f32>, tint: vec3<f32>) -> vec3<f32> {
     let edge = parts.x * (1.0 - one_minus_cos) * (one_minus_cos2 * one_minus_cos2 * one_minus_cos2);
     // The constants are (6/7)^5 and 1 / ((1/7) (6/7)^6).
     let at_82 = f0 + 0.46266436 * (vec3(1.0) - f0);
-    return f0 * (parts.x - parts.y) + vec3(parts.y) - 17.651385 * edge * (vec3(1.0) - tint) * at_82;
+    let schlick = f0 * (parts.x - parts.y) + vec3(parts.y);
+    return max(schlick - 17.651385 * edge * (vec3(1.0) - tint) * at_82, vec3(0.0));
 }
 
 /// The lobe of fuzz for one view.

@@ -20,7 +20,7 @@ fn normals_edge(view: NormalsView, flux: vec3<f32>, begin: NormalsCorner, end: N
     let a = begin.c;
     let c = end.c;
     let sum = begin.w + end.w;
-    let y = sum.x * sum.x + (sum.y * sum.y + (sum.z * sum.z + 1e-10));
+    let y = sum.x * sum.x + (sum.y * sum.y + (sum.z * sum.z + 1e-12));
     let image = begin.image + end.image + (0.5 * y - 2.0) * view.image;
     let b = image * inverseSqrt(y * (begin.length * end.length));
     // Split the conic at the point equally far from both ends, if the ends differ.

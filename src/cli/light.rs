@@ -6,7 +6,7 @@ use super::{
     AnyTable, CommandFailure, Context, CsvLines, Exit, LineFailure, Rows, clamped, file_failure, light_args::LightArgs,
     light_case::CaseFormat, light_picture::Picture, tabulated, usage,
 };
-use ltcforge_fit::{BrdfKind, Table, brdf::edge_factor};
+use ltcforge_fit::{BrdfKind, Table, brdf::f82_light};
 use ltcforge_light::{
     AnisotropicRoughness, LightError, LightModel, Lighting, ReflectedLight, TRUTH_TOLERANCE, TableUse,
     albedo::{compensation, sampled},
@@ -17,10 +17,9 @@ use ltcforge_light::{
 pub(super) fn run(args: &LightArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let chosen = choose(args)?;
     let table = chosen.as_ref().map(|chosen| &chosen.table);
-    let used = TableUse { blend: args.blend, cut: args.cut };
-    let lighting = table.map(|table| Lighting::Table(table, used));
+    let lighting = table.map(|table| Lighting::Table(table, TableUse { blend: args.blend, cut: args.cut }));
     let formula = args.model.closed_form(args.rule).map(Lighting::ClosedForm);
-    let lighting = lighting.or(formula).ok_or_else(|| usage(needs_table(args.model)))?;
+    let lighting = lighting.or(formula).ok_or_else(|| usage(LightError::NeedsTable(args.model)))?;
     let brdf = table.map_or(BrdfKind::Ggx.into(), |table| table.model().clone());
     let mut picture = Picture::of(args, &brdf)?;
     let lines = CsvLines::open(&args.cases, "lights")?;
@@ -32,43 +31,57 @@ pub(super) fn run(args: &LightArgs, context: &mut Context<'_>) -> Result<Exit, C
     let columns = columns(args);
     let mut rows = Rows::new(context, &columns)?;
     let format = CaseFormat { shape: args.light, material: args.material.map(AnisotropicRoughness::within_bounds) };
+    // The errors that the input line did not cause. The numbers of these results are unknown, as NaN.
+    let mut unknown = Vec::new();
+    let mut known = |found: Result<Vec<f64>, LightError>| match found {
+        Err(error @ (LightError::NotConverged { .. } | LightError::Singular)) => {
+            unknown.push(error);
+            Ok(vec![f64::NAN; columns.len() / (1 + usize::from(args.truth))])
+        }
+        found => found.map_err(|error| LineFailure::Line(error.to_string())),
+    };
     lines.each(
         |line| format.is_header(line),
         |line| {
             let Some(case) = format.parse(line).map_err(LineFailure::Line)? else { return Ok(()) };
             let (at, light) = (case.at, &case.light);
-            let mut numbers = || -> Result<Vec<f64>, LightError> {
+            let mut by_model = || -> Result<Vec<f64>, LightError> {
                 let channels = picture.as_mut().map(|picture| picture.reflected(table, &at, light)).transpose()?;
-                let mut numbers = Of {
+                let model = Of {
                     args,
                     light: lighting.reflected(&at, light)?,
                     material: &|fresnel| lighting.of_material(&at, light, fresnel),
                     edge: &|| lighting.edge(&at, light),
                     albedo: &|| lighting.albedo(&at),
-                }
-                .numbers(channels)?;
-                if args.truth {
-                    let light_truth = truth_of(&brdf, TRUTH_TOLERANCE, &at, light)?;
-                    let truth = Of {
-                        args,
-                        material: &|[f0, f90]| Ok(light_truth.schlick(f0, f90)),
-                        edge: &|| edge_truth_of(&brdf, TRUTH_TOLERANCE, &at, light),
-                        albedo: &|| sampled(&brdf, &at),
-                        light: light_truth,
-                    };
-                    let channels = picture.as_ref().map(|picture| picture.truth(&at, light)).transpose()?;
-                    numbers.extend(truth.numbers(channels)?);
-                }
-                Ok(numbers)
+                };
+                model.numbers(channels)
             };
-            let numbers = numbers().map_err(|error| LineFailure::Line(error.to_string()))?;
+            let mut numbers = known(by_model())?;
+            let by_truth = || -> Result<Vec<f64>, LightError> {
+                let light_truth = truth_of(&brdf, TRUTH_TOLERANCE, &at, light)?;
+                let truth = Of {
+                    args,
+                    material: &|[f0, f90]| Ok(light_truth.schlick(f0, f90)),
+                    edge: &|| edge_truth_of(&brdf, TRUTH_TOLERANCE, &at, light),
+                    albedo: &|| sampled(&brdf, &at),
+                    light: light_truth,
+                };
+                truth.numbers(picture.as_ref().map(|picture| picture.truth(&at, light)).transpose()?)
+            };
+            if args.truth {
+                numbers.extend(known(by_truth())?);
+            }
             let clamped = chosen.as_ref().map(|AnyTable { table, origin, .. }| clamped(&at, table, origin.range()));
-            // Each number has the fewest digits that parse to the same f64.
-            let row = || numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
+            // Each number has the fewest digits that parse to the same f64. Unknown numbers are empty.
+            let text = |number: &f64| if number.is_nan() { String::new() } else { number.to_string() };
+            let row = || numbers.iter().map(text).collect::<Vec<_>>().join(",");
             let value = || columns.iter().cloned().zip(numbers.iter().map(|number| json!(number)));
             rows.print(clamped.as_deref(), row, || Value::Object(value().collect::<Map<_, _>>()))
         },
     )?;
+    if let Some(first) = unknown.first() {
+        eprintln!("unknown results: {} (empty cells, or null in JSON); the first: {first}", unknown.len());
+    }
     rows.end()
 }
 
@@ -87,7 +100,7 @@ struct Of<'a> {
     light: ReflectedLight,
     /// The light reflected by a material with these reflectances at normal and at grazing incidence.
     material: &'a dyn Fn([f64; 2]) -> Result<f64, LightError>,
-    /// The light that the F82 term of a metal removes, divided by `edge_factor`.
+    /// The light weighted by F82's edge weight.
     edge: &'a dyn Fn() -> Result<f64, LightError>,
     albedo: &'a dyn Fn() -> Result<f64, LightError>,
 }
@@ -98,24 +111,20 @@ impl Of<'_> {
     fn numbers(&self, channels: Option<[f64; 3]>) -> Result<Vec<f64>, LightError> {
         let LightArgs { f0, f82, f90, compensate, .. } = *self.args;
         let mut numbers = vec![self.light.energy, self.light.fresnel];
-        let gain = match f0 {
-            Some(f0) if compensate => compensation((self.albedo)()?, f0),
-            _ => 1.0,
-        };
+        // Option `--compensate` requires `--f0`.
+        let gain = if compensate { compensation((self.albedo)()?, f0.unwrap_or(1.0)) } else { 1.0 };
         if let Some(f0) = f0 {
-            let edge = match f82 {
-                Some(tint) => edge_factor(f0, f90, tint) * (self.edge)()?,
-                None => 0.0,
-            };
-            numbers.push(gain * ((self.material)([f0, f90])? - edge));
+            let schlick = (self.material)([f0, f90])?;
+            numbers.push(
+                gain * match f82 {
+                    Some(tint) => f82_light(schlick, (self.edge)()?, [f0, f90], tint),
+                    None => schlick,
+                },
+            );
         }
         numbers.extend(channels.into_iter().flatten().map(|channel| gain * channel));
         Ok(numbers)
     }
-}
-
-fn needs_table(model: LightModel) -> String {
-    format!("model {model} needs a table: add --table TABLE")
 }
 
 /// Reads the model's table; `None` for a model without a table. An error lists all invalid options.
@@ -143,26 +152,24 @@ fn choose(args: &LightArgs) -> Result<Option<AnyTable>, CommandFailure> {
 /// Invalid options that can be found without the table.
 fn option_faults(args: &LightArgs) -> Vec<String> {
     let model = args.model;
-    let mut faults = Vec::new();
-    for (option, value) in [("--f0", args.f0), ("--f82", args.f82), ("--f90", Some(args.f90))] {
-        if let Some(value) = value.filter(|value| !(0.0..=1.0).contains(value)) {
-            faults.push(format!("{option} {value}: a reflectance must be between 0 and 1"));
-        }
-    }
-    if args.table.is_some() && model.lobe().is_none() {
-        faults.push("--table needs a model that reads tables: add --model ltc".to_owned());
-    }
-    if args.table.is_none() && model.needs_table() {
-        faults.push(needs_table(model));
-    }
-    if args.rule.is_some() && model.rule_choices().is_empty() {
-        let ruled = LightModel::names_of(|other| !other.rule_choices().is_empty());
-        faults.push(format!("--rule is only for model {ruled}, not for {model}: leave it out"));
-    }
-    if args.cut && model != LightModel::Ltc {
-        faults.push(format!("--cut is only for model ltc, not for {model}: leave it out"));
-    }
-    faults
+    let ruled = LightModel::names_of(|other| !other.rule_choices().is_empty());
+    let reflectance = |option: &str, value: Option<f64>| {
+        let value = value.filter(|value| !(0.0..=1.0).contains(value))?;
+        Some(format!("{option} {value}: a reflectance must be between 0 and 1"))
+    };
+    let found = [
+        reflectance("--f0", args.f0),
+        reflectance("--f82", args.f82),
+        reflectance("--f90", Some(args.f90)),
+        (args.table.is_some() && model.lobe().is_none())
+            .then(|| "--table needs a model that reads tables: add --model ltc".to_owned()),
+        (args.table.is_none() && model.needs_table()).then(|| LightError::NeedsTable(model).to_string()),
+        (args.rule.is_some() && model.rule_choices().is_empty())
+            .then(|| format!("--rule is only for model {ruled}, not for {model}: leave it out")),
+        (args.cut && model != LightModel::Ltc)
+            .then(|| format!("--cut is only for model ltc, not for {model}: leave it out")),
+    ];
+    found.into_iter().flatten().collect()
 }
 
 /// Options that this table does not support.

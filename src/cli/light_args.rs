@@ -35,6 +35,8 @@ pub struct LightArgs {
     #[command(flatten)]
     pub folder: TableFolder,
     /// Cut the light and the lobe at the surface (model ltc)
+    ///
+    /// Without it, model ltc reflects some light from below the surface, like the default shader
     #[arg(long)]
     pub cut: bool,
     /// Rule of model normals [default: balanced]

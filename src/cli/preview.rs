@@ -17,8 +17,8 @@ use super::{
 };
 use ltcforge_light::{LightError, LightModel};
 use ltcforge_view::preview::{
-    Adapter, Choices, Material, PARAMETERS, Parameter, ParameterForm, Preview, PreviewError, Rendered, ScenePicture,
-    ShaderTable, TexelFormat, Value,
+    Adapter, Choices, Material, PARAMETERS, PanelError, Parameter, ParameterForm, Preview, PreviewError, Rendered,
+    ScenePicture, ShaderTable, TexelFormat, Value,
 };
 
 /// `preview`. Parameters that are not given come from the named scene.
@@ -110,16 +110,13 @@ pub(super) fn run(args: &PreviewArgs, context: &mut Context<'_>) -> Result<Exit,
             format!("preview cannot show tables with uneven nodes; layout {} has evenly spaced nodes", table.layout());
         return Err(usage(message));
     }
-    let shader_table = match (&table, &digest) {
+    let shader_table = Arc::new(match (&table, &digest) {
         (Some(table), Some(digest)) => ShaderTable::new(table, args.precision).labelled(&digest.hex()),
         _ => ShaderTable::none(),
-    };
-    let shader_table = Arc::new(shader_table);
-    let rendered =
-        Preview::new(args.adapter).render(&shader_table, &scene, &|| false).map_err(|error| failure(&error))?;
-    let png = rendered.picture.png().map_err(failed)?;
-    out.write(&png)?;
-    let Rendered { picture, adapter, errors, out_of_range } = rendered;
+    });
+    let rendered = Preview::new(args.adapter).render(&shader_table, &scene, &|| false);
+    let Rendered { picture, adapter, errors, out_of_range } = rendered.map_err(|error| failure(&error))?;
+    out.write(&picture.png().map_err(failed)?)?;
     let errors_json: Vec<_> = errors
         .iter()
         .map(|error| {
@@ -148,11 +145,8 @@ pub(super) fn run(args: &PreviewArgs, context: &mut Context<'_>) -> Result<Exit,
              {least_ratio} to {most_ratio}; its nearest entry is shown"
         );
     }
-    for error in &errors {
-        let (alpha_x, alpha_y) = (error.alpha_x, error.alpha_y);
-        let (apart, radiance) = (error.mean_absolute, error.mean_radiance);
-        let model = error.model;
-        eprintln!("{model}, alpha {alpha_x} {alpha_y}: mean absolute error {apart:.5} of mean radiance {radiance:.5}");
+    for PanelError { model, alpha_x, alpha_y, mean_absolute: error, mean_radiance: radiance } in &errors {
+        eprintln!("{model}, alpha {alpha_x} {alpha_y}: mean absolute error {error:.5} of mean radiance {radiance:.5}");
     }
     Ok(Exit::Ok)
 }

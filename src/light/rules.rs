@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::{AreaLight, LightError, normals::NormalsRule};
 use ltcforge_fit::{
     Configuration, LEAST_ALPHA, LobeModel, Sides,
-    brdf::{edge_factor, edge_of_parts},
+    brdf::{edge_of_parts, f82_light},
     math::{Triple, direction},
 };
 
@@ -86,12 +86,11 @@ impl ReflectedLight {
         f0 * (self.energy - self.fresnel) + f90 * self.fresnel
     }
 
-    /// The light that a metal with the F82 factor reflects: `f0 (energy - fresnel) + f90 fresnel - b edge`, with `b`
-    /// from [`edge_factor`]. `edge` is the light weighted by [`edge_weight`](ltcforge_fit::brdf::edge_weight). At 82
-    /// degrees the factor is `tint` times Schlick's factor.
+    /// The light that a metal with the F82 factor reflects, see [`f82_light`]. `edge` is the light weighted by
+    /// [`edge_weight`](ltcforge_fit::brdf::edge_weight). At 82 degrees the factor is `tint` times Schlick's factor.
     #[must_use]
     pub fn metal(&self, edge: f64, [f0, f90]: [f64; 2], tint: f64) -> f64 {
-        self.schlick(f0, f90) - edge_factor(f0, f90, tint) * edge
+        f82_light(self.schlick(f0, f90), edge, [f0, f90], tint)
     }
 }
 

@@ -31,8 +31,10 @@ pub enum Kind {
     Anisotropic,
     /// Rectangles whose half sides have the geometric mean 50. They fill nearly half of all directions.
     Huge,
-    /// Alpha and ratio over several decades, half sides from 0.002 to 50, and views up to 89.9 degrees.
+    /// Alpha over several decades with a ratio from 0.05, half sides from 0.002 to 50, and views up to 89.9 degrees.
     Extreme,
+    /// `Extreme` with both roughnesses drawn over several decades.
+    Needle,
     /// An upright wall opposite the viewer. The middle of its lower edge is `foot` times its height above the surface.
     /// One end of this edge is `tilt` times the height higher, and the other end is lower.
     Wall {
@@ -91,6 +93,7 @@ impl Kind {
             Self::Anisotropic => "random, strongly anisotropic",
             Self::Huge => "of 50 radii, nearly half of all directions",
             Self::Extreme => "extremes: alpha 1e-4 to 1, sizes 0.002 to 50, views to 89.9 degrees",
+            Self::Needle => "extremes, both roughnesses log-uniform from 1e-4 to 1",
             Self::Wall { .. } => "walls",
             Self::NearHorizon => "walls near the surface",
             Self::Floor => "floors and ceilings",
@@ -152,7 +155,7 @@ pub fn cases(kind: Kind, seed: u64, count: usize) -> Vec<Case> {
     let mut draw = Generator(Draw::new(seed));
     let lights: Vec<(Lit, PolygonLight)> = (0..count).map(|_| draw.valid(kind)).collect();
     let case = |(lit, light): (Lit, PolygonLight)| {
-        let tolerance = if kind == Kind::Extreme { TOLERANCE_OF_EXTREMES } else { TOLERANCE };
+        let tolerance = if matches!(kind, Kind::Extreme | Kind::Needle) { TOLERANCE_OF_EXTREMES } else { TOLERANCE };
         let truth = truth_within(tolerance, &lit.at, &light).map_or([0.0; 2], |truth| [truth.energy, truth.fresnel]);
         Case { lit, truth }
     };
@@ -164,8 +167,12 @@ pub fn cases(kind: Kind, seed: u64, count: usize) -> Vec<Case> {
 pub struct Spread {
     /// Mean error.
     pub mean: f64,
+    /// The median.
+    pub p50: f64,
     /// The error that one case in twenty exceeds.
     pub p95: f64,
+    /// The error that one case in a hundred exceeds.
+    pub p99: f64,
     /// The error that one case in a thousand exceeds.
     pub p999: f64,
     /// Largest error.
@@ -179,7 +186,8 @@ impl Spread {
         errors.sort_by(f64::total_cmp);
         let count = errors.len();
         let mean = errors.iter().sum::<f64>() / count as f64;
-        Self { mean, p95: errors[count * 95 / 100], p999: errors[count * 999 / 1000], max: errors[count - 1] }
+        let [p50, p95, p99, p999] = [500, 950, 990, 999].map(|part| errors[count * part / 1000]);
+        Self { mean, p50, p95, p99, p999, max: errors[count - 1] }
     }
 }
 
@@ -199,10 +207,11 @@ pub fn errors(cases: &[Case], reflected: impl Fn(&Lit) -> [f64; 2] + Sync) -> [S
 /// A generator of random surfaces and lights.
 struct Generator(Draw);
 
-/// The ranges of roughness, ratio and theta.
+/// The ranges of roughness and theta.
 struct Surfaces {
     alpha: fn(&mut Generator) -> f64,
-    ratio: fn(&mut Generator) -> f64,
+    /// The other roughness, from the first.
+    other: fn(&mut Generator, f64) -> f64,
     /// Least value of the smaller roughness.
     least: f64,
     /// Range of theta in degrees.
@@ -211,22 +220,23 @@ struct Surfaces {
 
 const ALL: Surfaces = Surfaces {
     alpha: |draw| draw.0.within(0.0, 1.0).powi(2).max(0.01),
-    ratio: |draw| draw.0.within(0.0, 1.0),
+    other: |draw, alpha| alpha * draw.0.within(0.0, 1.0),
     least: 0.005,
     theta: [0.0, 88.0],
 };
 const ANISOTROPIC: Surfaces =
-    Surfaces { alpha: |draw| draw.0.within(0.1, 0.6), ratio: |draw| draw.0.within(0.03, 0.23), ..ALL };
+    Surfaces { alpha: |draw| draw.0.within(0.1, 0.6), other: |draw, alpha| alpha * draw.0.within(0.03, 0.23), ..ALL };
 const EXTREME: Surfaces = Surfaces {
     alpha: |draw| draw.0.logarithmic(1e-4, 1.0),
-    ratio: |draw| draw.0.within(0.05, 1.0),
+    other: |draw, alpha| alpha * draw.0.within(0.05, 1.0),
     least: 1e-5,
     theta: [0.0, 89.9],
 };
+const NEEDLE: Surfaces = Surfaces { other: |draw, _| draw.0.logarithmic(1e-4, 1.0), ..EXTREME };
 const GRAZING: Surfaces = Surfaces { theta: [75.0, 89.0], ..ALL };
 const STEEP: Surfaces = Surfaces { theta: [80.0, 89.0], ..ALL };
 const SHARP: Surfaces =
-    Surfaces { alpha: |draw| draw.0.within(0.01, 0.05), ratio: |draw| draw.0.within(0.2, 1.0), ..ALL };
+    Surfaces { alpha: |draw| draw.0.within(0.01, 0.05), other: |draw, alpha| alpha * draw.0.within(0.2, 1.0), ..ALL };
 
 /// Range of the half sides of a light at distance one, before one is stretched by up to e and the other is shrunk.
 const USUAL: [f64; 2] = [0.05, 1.2];
@@ -234,7 +244,7 @@ const USUAL: [f64; 2] = [0.05, 1.2];
 impl Generator {
     fn configuration(&mut self, surfaces: &Surfaces) -> Configuration {
         let long = (surfaces.alpha)(self);
-        let short = (long * (surfaces.ratio)(self)).max(surfaces.least);
+        let short = (surfaces.other)(self, long).max(surfaces.least);
         let [alpha_x, alpha_y] = if self.0.within(0.0, 1.0) < 0.5 { [long, short] } else { [short, long] };
         let [low, high] = surfaces.theta.map(f64::to_radians);
         Configuration { alpha_x, alpha_y, theta: self.0.within(low, high), phi: self.0.within(0.0, TAU) }
@@ -257,6 +267,7 @@ impl Generator {
             Kind::Anisotropic => self.around_lobe(&ANISOTROPIC, USUAL, 1.0),
             Kind::Huge => self.around_lobe(&ALL, [50.0, 50.0], 1.0),
             Kind::Extreme => self.around_lobe(&EXTREME, [0.002, 50.0], 1.0),
+            Kind::Needle => self.around_lobe(&NEEDLE, [0.002, 50.0], 1.0),
             Kind::Sliver => self.around_lobe(&ALL, USUAL, 3.0),
             Kind::Grazing => self.around_lobe(&GRAZING, USUAL, 1.0),
             Kind::Around => {

@@ -58,6 +58,23 @@ fn by_ltc(table: &Table, lit: &Lit) -> [f64; 2] {
     found.map_or([f64::NAN; 2], |found| [found.energy, found.fresnel])
 }
 
+/// The table of docs/accuracy.md for very smooth surfaces and grazing views.
+fn extremes(lights: usize) -> String {
+    let mut out =
+        "\ndocs/accuracy.md:\n\n| lights | rule | mean | p50 | p95 | p99 | max |\n|---|---|---|---|---|---|---|\n"
+            .to_owned();
+    for (kind, seed) in [(Kind::Extreme, 1008), (Kind::Needle, 1009)] {
+        let cases = cases(kind, seed, lights);
+        for rule in RULES {
+            let [Spread { mean, p50, p95, p99, max, .. }, _] = errors(&cases, |lit| by_rule(rule, lit));
+            let cells = [mean, p50, p95, p99, max].map(|error| short(error, 2)).join(" | ");
+            // Writing to a String cannot fail.
+            let _ = writeln!(out, "| {}, {lights} | `{rule}` | {cells} |", kind.name());
+        }
+    }
+    out
+}
+
 /// The tables, measured with a `part` of the lights in each row.
 ///
 /// # Errors
@@ -100,6 +117,8 @@ pub fn tables(part: f64) -> Result<String, ltcforge::Error> {
         short(p999, 2),
         short(max, 2)
     );
+
+    out += &extremes(lights);
 
     let _ = writeln!(out, "\ndocs/normals.md, V by four arcs an edge:\n\n| light | four arcs |\n|---|---|");
     for (i, kind) in ARCS.into_iter().enumerate() {

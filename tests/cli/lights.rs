@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use ltcforge::{Digest, TableFile, files::container};
 use serde_json::Value;
 
 use crate::common::{
@@ -254,6 +255,45 @@ fn with_cut_no_light_shines_through_the_surface() {
     assert!(run(folder.path(), shader).exited(0).stdout.contains("float ltc_cut_tube("));
     let example = shader.iter().chain(&["--as", "example"]);
     assert!(run(folder.path(), example).exited(2).stderr.contains("--cut needs --as include"));
+}
+
+/// A truth that does not converge and a singular matrix leave their columns empty, and the next lines still follow.
+#[test]
+fn a_result_that_cannot_be_computed_is_unknown() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
+    let mut encoder = png::Encoder::new(fs::File::create(here.join("tv.png")).expect("a file"), 4, 4);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.write_header().and_then(|mut writer| writer.write_image_data(&[200; 48])).expect("a picture");
+    let light = "2,-1,-1,1,1,-1,1,1,1,1,-1,1,1\n";
+    let lights = format!("0.5,0.5,0.7,0,{light}0.3,0.00001,1.4,0.5,{light}0.5,0.25,0.7,0,{light}");
+    let with = |options: &[&str]| run_with_stdin(here, ["light", "-", "--truth"].iter().chain(options), &lights);
+    // The rows, with `None` for an empty cell or null, as CSV and as JSON.
+    let found = |options: &[&str], result: &str| {
+        let [csv, json] = [options.to_vec(), [options, &["--json"]].concat()].map(|options| with(&options).exited(0));
+        assert!(csv.stderr.contains(result) && json.stderr.contains(result), "{csv:#?}");
+        let names: Vec<&str> = csv.stdout.lines().next().expect("a header").split(',').collect();
+        let cells = |line: &str| line.split(',').map(|cell| cell.parse::<f64>().ok()).collect::<Vec<_>>();
+        let rows: Vec<_> = csv.stdout.lines().skip(1).map(cells).collect();
+        let numbers = |line: &str| {
+            let line: Value = serde_json::from_str(line).expect("JSON");
+            names.iter().map(|name| line.get(name).expect("a column").as_f64()).collect::<Vec<_>>()
+        };
+        assert_eq!(rows, json.stdout.lines().map(numbers).collect::<Vec<_>>());
+        rows.into_iter().map(|row| row.iter().map(Option::is_some).collect::<Vec<_>>()).collect::<Vec<_>>()
+    };
+    let known =
+        found(&["--texture", "tv.png"], "unknown results: 1 (empty cells, or null in JSON); the first: the lobe");
+    assert_eq!(known, [vec![true; 10], [[true; 5], [false; 5]].concat(), vec![true; 10]]);
+
+    let table = run_with_stdin(here, ["fit", "-"], SMALL).exited(0).last_line().parse::<Digest>().expect("a digest");
+    let bytes = fs::read(here.join(format!("{}.safetensors", table.hex()))).expect("a file");
+    let mut file = TableFile::from_bytes(&bytes).expect("a table");
+    file.table.matrix.fill([0.0; 9]);
+    let flat = container::encode(&file.recipe, &file.table).expect("a file");
+    fs::write(here.join("flat.safetensors"), flat).expect("a file");
+    let known = found(&["--model", "ltc", "--table", "flat.safetensors"], "unknown results: 3 (");
+    assert_eq!(known, [[false, false, true, true]; 3]);
 }
 
 /// A picture of four colours on a square. The reflected light of each channel is near to the truth, a mirror shows the

@@ -91,6 +91,9 @@ fn light_of_a_metal_is_darker_at_its_edge() {
         let undarkened = found.iter().zip(&schlick).map(|(row, schlick)| (schlick[2] - row[5]).abs()).sum::<f64>();
         let darker = found.iter().zip(&schlick).all(|(row, schlick)| row[2] <= schlick[2] && row[5] <= schlick[5]);
         println!("{by:?}: off by {:.4}, {:.4} by Schlick's factor", off(2), undarkened / found.len() as f64);
+        // F82 of a black metal with a tint of 0 is negative around 75 degrees.
+        let black = rows(&with(&[by, &["--f0", "0", "--f82", "0", "--truth"]].concat()).exited(0).stdout);
+        assert!(black.iter().all(|row| row[2] >= 0.0 && row[5] >= 0.0), "{by:?}: {black:?}");
         assert!(darker && off(2) < 0.7 * undarkened / found.len() as f64, "{by:?}: {} {undarkened}", off(2));
     }
     let by = |table: &str| with(&[&["--model", "ltc", "--table", table], &metal[..4]].concat()).exited(2).stderr;

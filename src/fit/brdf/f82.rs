@@ -24,13 +24,25 @@ pub fn edge_weight(x: f64) -> f64 {
 /// F82(x) = S(x) - b x (1 - x)^6,    b = (1 - tint) S(1/7) / ((1/7) (6/7)^6)
 /// ```
 ///
-/// It follows that `F82(1/7) = tint S(1/7)` [Kutz, Hasan and Edmondson 2021; OpenPBR 1.1, metal]. For a dark F0 with a
-/// low tint, F82 is negative around 75 degrees, down to -0.13. Domain: all arguments in [0, 1].
-#[must_use]
-pub fn edge_factor(f0: f64, f90: f64, tint: f64) -> f64 {
+/// It follows that `F82(1/7) = tint S(1/7)` [Kutz, Hasan and Edmondson 2021; OpenPBR 1.1, metal].
+///
+/// F82 can be negative only for a tint below 25/49. It is linear in F0 and F90. Where only F90 is one, it is
+/// `(1 - x)^5 (1 - b x (1 - x))` with `b = (1 - tint) 49/6`, and `x (1 - x)` is at most 1/4. Its minimum is then -0.13,
+/// at 75 degrees for a tint of 0. Where only F0 is one, F82 is not negative for a tint from 0.48.
+///
+/// Domain: all arguments in [0, 1].
+fn edge_factor(f0: f64, f90: f64, tint: f64) -> f64 {
     let away = 1.0 - EDGE_COSINE;
     let schlick = f0 + (f90 - f0) * (away * away * away * away * away);
     (1.0 - tint) * schlick / edge_weight(EDGE_COSINE)
+}
+
+/// The light that a metal reflects by F82: `max(schlick - b edge, 0)`. `schlick` is its light by Schlick's factor, and
+/// `edge` is the light weighted by [`edge_weight`]. A lobe reflects no negative light, although F82 can be negative.
+/// Domain: `f0`, `f90` and `tint` in [0, 1].
+#[must_use]
+pub fn f82_light(schlick: f64, edge: f64, [f0, f90]: [f64; 2], tint: f64) -> f64 {
+    (schlick - edge_factor(f0, f90, tint) * edge).max(0.0)
 }
 
 /// The light weighted by [`edge_weight`], if all light has the same angle of incidence. The ratio of `fresnel` to
@@ -79,9 +91,19 @@ mod tests {
             for (x, expected) in [(1.0, f0), (0.0, f90), (EDGE_COSINE, tint * schlick)] {
                 assert!((f82(x, metal) - expected).abs() < 1e-15, "{metal:?} {x}");
             }
-            let least = (0..=1000).map(|i| f82(1e-3 * f64::from(i), metal)).fold(f64::INFINITY, f64::min);
-            assert!(if tint > 0.1 { least > 0.0 } else { (-0.13..0.0).contains(&least) }, "{metal:?}: {least}");
         }
+        // The domain: F82 is not negative for a tint from 25/49, and negative for a black F0 with a lower tint.
+        let least = |[f0, f90, tint]: [f64; 3]| {
+            (0..=1000).map(|i| f82(1e-3 * f64::from(i), [f0, f90, tint])).fold(1.0, f64::min)
+        };
+        for i in 0..121 {
+            let [f0, f90] = [i % 11, i / 11].map(|i| 0.1 * f64::from(i));
+            assert!(least([f0, f90, 25.0 / 49.0]) > -1e-15, "{f0} {f90}");
+        }
+        for (f0, tint) in [(0.0, 0.51), (0.04, 0.336), (0.5, 0.03)] {
+            assert!(least([f0, 1.0, tint + 1e-3]) >= 0.0 && least([f0, 1.0, tint - 2e-3]) < 0.0, "{f0} {tint}");
+        }
+        assert!(least([0.0, 1.0, 0.5]) < 0.0 && (-0.127..-0.126).contains(&least([0.0, 1.0, 0.0])));
         // F82 of a white metal with a tint of 1/2, by hand at x = 1/2: 1 - (1/2) 2^-7 / ((1/7) (6/7)^6).
         let expected = 1.0 - 0.5 * 0.007_812_5 * 823_543.0 / 46_656.0;
         assert!((f82(0.5, [1.0, 1.0, 0.5]) - expected).abs() < 1e-15);

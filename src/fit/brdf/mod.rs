@@ -23,7 +23,7 @@ pub use beckmann::Beckmann;
 pub use burley_diffuse::BurleyDiffuse;
 pub use charlie::Charlie;
 pub use charlie_neubelt::CharlieNeubelt;
-pub use f82::{EDGE_COSINE, edge_factor, edge_of_parts, edge_spread, edge_weight};
+pub use f82::{EDGE_COSINE, edge_of_parts, edge_spread, edge_weight, f82_light};
 pub use fresnel::{LobeFresnel, SecondLobe, WeightedF0};
 pub use fuzz::Fuzz;
 pub use ggx::Ggx;

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::cases::{Draw, Lit, Roughness};
 use crate::{
     NormalsRule, by_normals,
-    normals::{reflected, visible},
+    normals::{reflected, regions, visible},
     truth,
 };
 use ltcforge_fit::{Configuration, MAX_VERTICES, Sides};
@@ -257,6 +257,40 @@ proptest! {
                 let shader = reflected(alpha, wo.as_vec3().to_array(), &single, sides, *rule);
                 prop_assert!(shader.iter().all(|part| (0.0..=1.0).contains(part)), "{:?}", shader);
             }
+        }
+    }
+}
+
+/// The visible part of a light whose edge passes close to the shaded point. Distances are fractions of the edge's length.
+/// The limits are twice the measured errors.
+#[test]
+fn an_edge_may_be_close_to_the_shaded_point() {
+    for (distance, limits) in [(1e-4, [2e-4, 2e-4]), (1e-5, [2e-4, 2e-4]), (1e-6, [2e-3, 2e-3])] {
+        let mut errors = [Vec::new(), Vec::new()];
+        for (i, Lit { at, .. }) in Draw::many(31, 300, Roughness::All).into_iter().enumerate() {
+            let (along, [sine, cosine]) =
+                (0.3 * (i as f64).sin(), <[f64; 2]>::from((0.2 + 0.009 * i as f64).sin_cos()));
+            let corner = |y: f64, up: f64| {
+                DQuat::from_rotation_z(i as f64) * DVec3::new(up * cosine, y + along, distance + up * sine)
+            };
+            let lit = Lit {
+                at,
+                vertices: [(-0.5, 0.0), (0.5, 0.0), (0.5, 1.0), (-0.5, 1.0)].map(|(y, up)| corner(y, up)).to_vec(),
+            };
+            let exact = v(&lit).abs();
+            let corners: Vec<[f64; 3]> = lit.vertices.iter().map(DVec3::to_array).collect();
+            let found = regions(lit.alpha(), lit.wo().to_array(), &corners, Sides::Two, NormalsRule::Balanced);
+            errors[0].push((found.map_or(0.0, |found| found.visible) - exact).abs());
+            let corners: Vec<[f32; 3]> = lit.vertices.iter().map(|v| v.as_vec3().to_array()).collect();
+            let (alpha, wo) = (lit.alpha().map(|x| x as f32), lit.wo().as_vec3().to_array());
+            let found = regions(alpha, wo, &corners, Sides::Two, NormalsRule::Balanced);
+            errors[1].push((found.map_or(0.0, |found| f64::from(found.visible)) - exact).abs());
+        }
+        for (mut errors, limit) in errors.into_iter().zip(limits) {
+            errors.sort_by(f64::total_cmp);
+            let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+            println!("{distance}: mean {mean:.2e}, p95 {:.2e}, max {:.2e}", errors[285], errors[299]);
+            assert!(mean < limit, "{distance}: {mean}");
         }
     }
 }

@@ -126,6 +126,25 @@ fn metals_are_lit_as_well_as_mirrors() {
     }
 }
 
+/// A dark metal whose F82 is negative reflects no light. Positive light stays as it is.
+#[test]
+fn no_metal_reflects_negative_light() {
+    let form = LightModel::Normals.closed_form(None).expect("a formula");
+    let mut negative = 0;
+    for (i, lit) in Draw::many(214, 2000, Roughness::All).into_iter().enumerate() {
+        let light = lit.light(Sides::Two);
+        let parts = Lighting::ClosedForm(form).reflected(&lit.at, &light).expect("a surface");
+        let edge = Lighting::ClosedForm(form).edge(&lit.at, &light).expect("a surface");
+        let [f0, tint] = [i % 10, i / 10 % 10].map(|i| 0.1 * i as f64);
+        let at_82 = f0 + (1.0 - f0) * (6.0_f64 / 7.0).powi(5);
+        let signed = parts.schlick(f0, 1.0) - (1.0 - tint) * at_82 / edge_weight(1.0 / 7.0) * edge;
+        let found = parts.metal(edge, [f0, 1.0], tint);
+        assert!((found - signed.max(0.0)).abs() < 1e-12 && found >= 0.0, "{lit:?} {f0} {tint}: {found} {signed}");
+        negative += usize::from(signed < -1e-3);
+    }
+    assert!(negative > 5, "{negative}");
+}
+
 #[test]
 fn a_table_without_the_term_says_so() {
     let lit = &Draw::many(213, 1, Roughness::All)[0];

@@ -11,7 +11,7 @@ use super::{
 };
 use ltcforge::fit::{
     BrdfKind, Ltc, Sides,
-    brdf::{Brdf, Ggx, LobeTerms, edge_factor, edge_of_parts},
+    brdf::{Brdf, Ggx, LobeTerms, edge_of_parts, f82_light},
     math::{Lattice, SquarePoint},
 };
 use ltcforge_light::{
@@ -111,7 +111,7 @@ impl Lit<'_> {
                 Way::Truth => parts.schlick(f0[i], 1.0),
                 Way::Model(model) => model.of_material(&at, self.light, [f0[i], 1.0])?,
             };
-            reflected[i] = schlick - edge_factor(f0[i], 1.0, tint[i]) * edge;
+            reflected[i] = f82_light(schlick, edge, [f0[i], 1.0], tint[i]);
         }
         Ok(reflected)
     }
