@@ -3,9 +3,9 @@
 // and needs no table.
 
 /// The light that a metal reflects, by F82, OpenPBR's Fresnel factor for metals. tint is the fraction of Schlick's
-/// factor that remains at 82 degrees. F82 is negative near 75 degrees if f0 and tint are low; the result is then 0. parts
-/// is the reflected light from a light model: for a Fresnel factor of one (x), and weighted by Schlick's fifth power (y).
-/// For a table, parts is vec2(amplitude, fresnel) times the covered part.
+/// factor that remains at 82 degrees. Where F82 makes the light negative, because f0 and tint are low, the result is 0.
+/// parts is the reflected light from a light model: for a Fresnel factor of one (x), and weighted by Schlick's fifth
+/// power (y). For a table, parts is vec2(amplitude, fresnel) times the covered part.
 fn layers_metal(parts: vec2<f32>, f0: vec3<f32>, tint: vec3<f32>) -> vec3<f32> {
     // edge is the light weighted by x (1 - x)^6, where x is the cosine at which Schlick's power equals
     // parts.y / parts.x.

@@ -20,7 +20,8 @@ use ltcforge_client::Client;
 use ltcforge_files::{
     container::TableFile,
     digest::Digest,
-    recipe_document::{self, DEFAULT_ENTRY_LIMIT, Fault, RecipeError, Strict},
+    recipe_document::{self, DEFAULT_ENTRY_LIMIT, Fault, RecipeError},
+    strict::Strict,
     tabulated::{encode, kept_name, locate},
 };
 use ltcforge_fit::{BrdfKind, Recipe, Table, TabulatedAxes, TabulatedBrdf};

@@ -180,13 +180,15 @@ fn busy(status: &str, retry_after: &str) -> String {
     format!("HTTP/1.1 {status}\r\nretry-after: {retry_after}\r\ncontent-length: 0\r\nconnection: close\r\n\r\n")
 }
 
+/// A successful body and a call.
+type Call<'a> = (&'a str, &'a dyn Fn(&str) -> Result<(), ClientError>);
+
 /// Every call asks a busy server again, at most four times.
 #[test]
 fn a_busy_server_is_asked_again() {
     let id = "5f70bf18a086007016e948b04aed3b82".parse().expect("an id");
     let job = document("done").to_string();
     let page = serde_json::json!({ "items": [document("done")], "next": null }).to_string();
-    type Call<'a> = (&'a str, &'a dyn Fn(&str) -> Result<(), ClientError>);
     let calls: [Call<'_>; 6] = [
         ("table", &|url| table(url, b"table", None).map(drop)),
         (&job, &|url| client(url).submit(b"{}").map(drop)),

@@ -10,6 +10,7 @@ pub mod json_size;
 pub mod manifest;
 pub mod recipe_document;
 pub mod replace;
+pub mod strict;
 pub mod tabulated;
 mod tensor;
 pub mod text;

@@ -3,8 +3,10 @@
 use std::{
     fs,
     io::{BufRead as _, BufReader},
+    os::unix::fs::symlink,
 };
 
+use rustix::fs::{CWD, FileType, Mode, mknodat};
 use serde_json::Value;
 
 use crate::common::{
@@ -93,18 +95,40 @@ fn points_may_begin_with_a_byte_order_mark_and_lines_have_a_limit() {
 }
 
 #[test]
-fn endless_files_are_rejected() {
+fn files_that_block_or_never_end_are_rejected() {
     let folder = tempfile::tempdir().expect("a folder");
-    let commands: [(&[&str], i32); 4] = [
-        (&["verify", "/dev/zero", "--table-limit", "4096"], 1),
-        (&["report", "/dev/zero", "--table-limit", "4096"], 1),
-        (&["fit", "/dev/zero"], 1),
-        (&["jobs", "list", "--config", "/dev/zero"], 2),
+    let here = folder.path();
+    fs::create_dir(here.join("export")).expect("a folder");
+    fs::write(here.join("recipe.json"), r#"{"brdf": "tabulated", "tabulated": "odd.json"}"#).expect("a recipe");
+    symlink("../odd.json", here.join("export/ltcforge.json")).expect("a link");
+    symlink("odd.json", here.join("odd.gltf")).expect("a link");
+    let commands: [(&[&str], i32); 11] = [
+        (&["verify", "odd.json"], 1),
+        (&["verify", "export"], 1),
+        (&["report", "odd.json"], 1),
+        (&["fit", "./odd.json"], 1),
+        (&["fit", "./recipe.json"], 2),
+        (&["plan", "odd.json", "-o", "out"], 1),
+        (&["plan", "odd.gltf", "-o", "out"], 1),
+        (&["light-texture", "odd.json", "-o", "out"], 1),
+        (&["jobs", "list", "--config", "odd.json"], 2),
+        (&["pull", "--lock", "odd.json"], 1),
+        (&["serve", "--tokens", "odd.json"], 2),
     ];
-    for (command, code) in commands {
-        let refused = run(folder.path(), command).exited(code);
-        assert!(refused.stderr.contains("/dev/zero: this is not a regular file"), "{refused:#?}");
+    let odd = here.join("odd.json");
+    for is_endless in [false, true] {
+        if is_endless {
+            fs::remove_file(&odd).expect("a FIFO");
+            symlink("/dev/zero", &odd).expect("a link");
+        } else {
+            mknodat(CWD, &odd, FileType::Fifo, Mode::RWXU, 0).expect("a FIFO");
+        }
+        for (command, code) in commands {
+            let refused = run(here, command).exited(code);
+            assert!(refused.stderr.contains("this is not a regular file"), "{command:?}: {refused:#?}");
+        }
     }
+    run_with_stdin(here, ["fit", "/dev/stdin"], SMALL).exited(0);
     // A file that reports a size over the limit is not read. This sparse file has a terabyte, but no blocks on the
     // disk.
     let sparse = fs::File::create(folder.path().join("sparse")).expect("a file");

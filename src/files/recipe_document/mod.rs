@@ -9,7 +9,6 @@ mod materials;
 mod preset;
 mod reader;
 mod schema;
-mod strict;
 mod terms;
 
 use std::ops::RangeInclusive;
@@ -17,6 +16,7 @@ use std::ops::RangeInclusive;
 use crate::{
     digest::Digest,
     json_size::JsonLimits,
+    strict::Strict,
     tabulated::{FindBrdf, no_files},
     text::{other_form, without_mark},
 };
@@ -26,7 +26,6 @@ pub use document::DEFAULT_ENTRY_LIMIT;
 pub use fault::Fault;
 pub use preset::Preset;
 pub use schema::schema;
-pub use strict::Strict;
 
 /// The size limits of a document: twice the nodes of four full axes.
 const LIMITS: JsonLimits = JsonLimits { items: 1 << 12, values: 1 << 17 };

@@ -19,7 +19,7 @@ use safetensors::{
     tensor::{Metadata, TensorView},
 };
 
-use crate::{digest::Digest, recipe_document::Strict, tensor::Tensor, text::other_form};
+use crate::{digest::Digest, strict::Strict, tensor::Tensor, text::other_form};
 use ltcforge_fit::{TabulatedAxes, TabulatedBrdf, TabulatedFile};
 
 pub use find::{FindBrdf, Located, kept_name, locate, no_files};

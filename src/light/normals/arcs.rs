@@ -43,9 +43,9 @@ pub const BULGE: [f64; 2] = [3.4, 0.6];
 /// them then has no effect.
 const NEAR2: f64 = 1e-8;
 
-/// Keeps the control point finite for an edge through the shaded point, where `w_a + w_c` is zero. In f32 the rounding of
-/// this sum has about the same effect. In f64 the visible part is within 1e-4 if the distance of the edge from the shaded
-/// point is at least 1e-5 of the edge's length, and within .004 from 1e-6.
+/// Keeps the control point finite for an edge through the shaded point, where `w_a + w_c` is zero. In f32 the rounding
+/// of this sum has about the same effect: for an edge at 1e-6 of its length, the mean error of the visible part is .002
+/// in f64 and .005 in f32.
 const STRAIGHT_EDGE: f64 = 1e-12;
 
 /// The integral of `c x dc` along the image of the edge between two corners, by four arcs of great circles.

@@ -261,11 +261,11 @@ proptest! {
     }
 }
 
-/// The visible part of a light whose edge passes close to the shaded point. Distances are fractions of the edge's length.
-/// The limits are twice the measured errors.
+/// The visible part of a light whose edge passes close to the shaded point. Distances are fractions of the edge's
+/// length. The limits of the mean error, in f64 and f32, are about twice the measured errors.
 #[test]
 fn an_edge_may_be_close_to_the_shaded_point() {
-    for (distance, limits) in [(1e-4, [2e-4, 2e-4]), (1e-5, [2e-4, 2e-4]), (1e-6, [2e-3, 2e-3])] {
+    for (distance, limits) in [(1e-4, [6e-5, 2e-4]), (1e-5, [6e-5, 1e-3]), (1e-6, [3e-3, 1e-2])] {
         let mut errors = [Vec::new(), Vec::new()];
         for (i, Lit { at, .. }) in Draw::many(31, 300, Roughness::All).into_iter().enumerate() {
             let (along, [sine, cosine]) =
