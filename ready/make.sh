@@ -23,12 +23,11 @@ table=$(fit "{$mixed}")
 isotropic=$(fit "{\"layout\": \"ltc2017\", $mixed}")
 
 for container in dds c ktx2; do
-	export_as "$table" "$out/ltc" reflected-array "$container"
+	export_as "$table" "$out/anisotropic" reflected-array "$container"
 done
 export_as "$isotropic" "$out/isotropic" ltc2017 ktx2
 
 for language in glsl hlsl msl wgsl; do
-	"$ltcforge" shader --language "$language" --layout reflected --texture-array --lights polygons -o "$out/ltc/ltc.$language"
 	for rule in fast balanced; do
 		"$ltcforge" shader --language "$language" --model normals --rule "$rule" -o "$out/normals_$rule.$language"
 	done

@@ -5,7 +5,7 @@ use std::{error, ffi::OsString, path::PathBuf};
 
 use clap::{
     CommandFactory as _, FromArgMatches as _, Parser, Subcommand,
-    error::{ContextKind, ContextValue, ErrorKind},
+    error::{ContextKind, ErrorKind},
 };
 use clap_complete::Shell;
 
@@ -58,16 +58,11 @@ impl Cli {
 
 /// Replaces messages of the standard library by messages with an example, such as for `--bytes 20kB`.
 fn explained(error: clap::Error) -> clap::Error {
-    let context = |kind| match error.get(kind) {
-        Some(ContextValue::String(text)) => text.clone(),
-        _ => String::new(),
-    };
+    let context = |kind| error.get(kind).map(ToString::to_string).unwrap_or_default();
     let (argument, value) = (context(ContextKind::InvalidArg), context(ContextKind::InvalidValue));
     let source = error::Error::source(&error).map(ToString::to_string).unwrap_or_default();
     let advice = match (error.kind(), &*source) {
-        (ErrorKind::UnknownArgument, _) if argument == "--preset" => {
-            "name the preset without a flag, as in ltcforge fit paper"
-        }
+        (ErrorKind::UnknownArgument, _) if argument == "--preset" => "name it alone, as in ltcforge fit paper",
         (_, text) if text.contains("digit") || text.contains("integer") || text.contains("number too") => {
             "use a whole number without a unit, such as 20000"
         }

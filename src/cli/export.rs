@@ -19,7 +19,7 @@ use ltcforge_files::{
 use ltcforge_fit::{Precision, Recipe, Spread, Table};
 use ltcforge_textures::{
     About, Bundle, CompactContainer, Displacement, Engine, Export, RoundingError, TextureContainer, TextureFile,
-    TextureLayout,
+    TextureLayout, UnknownExport, layout_names,
 };
 
 /// `export`.
@@ -51,7 +51,7 @@ pub struct ExportChoice {
     pub layout: Option<String>,
     /// File format; `compact` formats take a few kilobytes
     #[arg(long, value_name = "NAME", value_parser = containers(), requires = "out", conflicts_with = "engine")]
-    pub container: Option<AnyContainer>,
+    pub container: Option<String>,
     /// Number format: half or float, for --layout or --for wgpu [default: float]
     #[arg(long, value_parser = precisions())]
     pub precision: Option<Precision>,
@@ -64,45 +64,20 @@ impl ExportChoice {
     /// When `--precision` is given with another engine, or without textures.
     pub(super) fn checked(&self) -> Result<Self, CommandFailure> {
         let engine = match (self.engine, self.precision) {
-            (None, Some(_)) if self.layout.is_none() => Err("--precision needs --layout or --for wgpu".to_owned()),
+            (None, Some(_)) if self.layout.is_none() => return Err(usage("--precision needs --layout or --for wgpu")),
             (None, _) | (_, None) => return Ok(self.clone()),
-            (Some(Engine::Wgpu | Engine::WgpuHalf), Some(Precision::F32)) => Ok(Engine::Wgpu),
-            (Some(Engine::Wgpu | Engine::WgpuHalf), Some(Precision::F16)) => Ok(Engine::WgpuHalf),
-            (Some(other), _) => Err(format!("--for {other} has a fixed number format: leave out --precision")),
+            (Some(Engine::Wgpu), Some(Precision::F16)) => Engine::WgpuHalf,
+            (Some(Engine::Wgpu), _) => Engine::Wgpu,
+            (Some(other), _) => return Err(usage(format!("--for {other} has a fixed precision: leave it out"))),
         };
-        Ok(Self { engine: Some(engine.map_err(usage)?), precision: None, ..self.clone() })
+        Ok(Self { engine: Some(engine), precision: None, ..self.clone() })
     }
 }
 
-/// A texture format, or a compact format of the table itself.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[serde(untagged)]
-pub enum AnyContainer {
-    /// Textures.
-    Textures(TextureContainer),
-    /// The table in its compact form.
-    Compact(CompactContainer),
-}
-
-impl AnyContainer {
-    /// All formats.
-    pub fn all() -> impl Iterator<Item = Self> {
-        let textures = TextureContainer::ALL.iter().map(|container| Self::Textures(*container));
-        textures.chain(CompactContainer::ALL.iter().map(|container| Self::Compact(*container)))
-    }
-
-    /// The name on the command line and in lock files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Textures(container) => container.name(),
-            Self::Compact(container) => container.name(),
-        }
-    }
-}
-
-fn containers() -> impl TypedValueParser<Value = AnyContainer> {
-    let names = PossibleValuesParser::new(AnyContainer::all().map(AnyContainer::name));
-    names.try_map(|name| AnyContainer::all().find(|item| item.name() == name).ok_or("unknown format"))
+/// The names of texture formats and compact forms.
+fn containers() -> PossibleValuesParser {
+    let textures = TextureContainer::ALL.iter().map(|container| container.name());
+    PossibleValuesParser::new(textures.chain(CompactContainer::ALL.iter().map(|container| container.name())))
 }
 
 /// Parses a precision: `half` or `float` as in graphics APIs, or `f16` or `f32` as in recipes.
@@ -148,23 +123,23 @@ pub(super) fn run(args: &ExportArgs, context: &mut Context<'_>) -> Result<Exit, 
 /// When the layout is unknown or missing, or `--layout` or `--precision` is given for a compact form.
 pub(super) fn export_of(choice: &ExportChoice) -> Result<Export, CommandFailure> {
     let ExportChoice { engine, layout, container, precision } = &choice.checked()?;
-    match (*engine, layout, *container) {
-        (Some(engine), _, _) => Ok(Export::Engine(engine)),
-        (None, Some(layout), Some(AnyContainer::Textures(container))) => match TextureLayout::named(layout) {
-            Ok(layout) => Ok(Export::Textures { layout, container, precision: precision.unwrap_or(Precision::F32) }),
-            Err(error) => Err(usage(error)),
-        },
-        (None, None, Some(AnyContainer::Compact(container))) if precision.is_none() => Ok(Export::Compact(container)),
-        (None, _, Some(AnyContainer::Compact(container))) => Err(usage(format!(
-            "--container {} keeps the table's own layout: leave out --layout and --precision",
-            container.name()
-        ))),
-        (None, None, Some(AnyContainer::Textures(container))) => {
-            let layouts: Vec<&str> = TextureLayout::ALL.iter().map(|layout| layout.name()).collect();
-            Err(usage(format!("--container {} needs --layout: {}", container.name(), layouts.join(", "))))
+    let container = match (engine, container) {
+        (Some(engine), _) => return Ok(Export::Engine(*engine)),
+        (None, None) => return Err(usage("use --for ENGINE or --container NAME")),
+        (None, Some(container)) => container,
+    };
+    let export = match (layout, TextureContainer::from_name(container)) {
+        (Some(layout), Some(container)) => {
+            let layout = TextureLayout::named(layout).map_err(usage)?;
+            return Ok(Export::Textures { layout, container, precision: precision.unwrap_or(Precision::F32) });
         }
-        (None, _, None) => Err(usage("use --for ENGINE or --container NAME")),
-    }
+        (None, None) => container.parse().map_err(|error: UnknownExport| error.to_string()),
+        (Some(_), None) => {
+            Err(format!("--container {container} keeps the table's own layout: leave out --layout and --precision"))
+        }
+        (None, Some(_)) => Err(format!("--container {container} needs --layout: {}", layout_names().join(", "))),
+    };
+    export.map_err(usage)
 }
 
 /// The errors between nodes of a table and of its compact form, in lobe widths.

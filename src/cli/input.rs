@@ -150,12 +150,8 @@ pub(super) fn recipe_document(name: &Path) -> Result<Vec<u8>, CommandFailure> {
         Some("-") => read_stream(io::stdin().lock(), RECIPE_LIMIT_BYTES)
             .map_err(|error| file_failure(Path::new("standard input"), &error)),
         Some(preset) if is_preset_name(preset) => Ok(serde_json::json!({ "preset": preset }).to_string().into_bytes()),
-        _ => read_named(name, RECIPE_LIMIT_BYTES).map_err(|error| match error.kind() {
-            io::ErrorKind::NotFound => file_failure(
-                name,
-                &"there is no such file; a recipe is a file, a preset such as draft, or - for standard input",
-            ),
-            _ => file_failure(name, &error),
+        _ => read_named(name, RECIPE_LIMIT_BYTES).map_err(|error| {
+            file_failure(name, &format!("{error}; a recipe is a file, a preset such as draft, or - for standard input"))
         }),
     };
     document.map(|document| without_mark(&document).to_vec())
@@ -181,7 +177,7 @@ mod tests {
         assert_eq!(recipe_document(&path).expect("a file"), b"{}");
         let refused = recipe_document(Path::new("./none.json")).expect_err("no file");
         assert_eq!(refused.exit, Exit::Failed);
-        assert!(refused.message.starts_with("./none.json: there is no such file"), "{}", refused.message);
+        assert!(refused.message.starts_with("./none.json: "), "{}", refused.message);
         let refused = recipe_document(Path::new("{\"preset\": \"draft\"}")).expect_err("no file");
         assert!(refused.message.contains("- for standard input"), "{}", refused.message);
         let refused = recipe_document(Path::new("/dev/zero")).expect_err("no end");

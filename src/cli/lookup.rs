@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::{
     AnyTable, CommandFailure, Context, CsvLines, Exit, LineFailure, Rows, TableChoice, clamped, points, usage,
 };
-use ltcforge_fit::{Layout, LookedUp, Table};
+use ltcforge_fit::{LookedUp, Table};
 
 /// `lookup`.
 #[derive(Debug, Args)]
@@ -53,11 +53,7 @@ fn material(table: &Table, number: u32) -> Result<[f64; 2], CommandFailure> {
     let found = table.materials().nth(number as usize).map(|[alpha, ratio]| [alpha, alpha * ratio]);
     found.ok_or_else(|| {
         let message = match table.materials().count() {
-            0 => format!(
-                "--material needs a table of layout {}; this table has layout {}",
-                Layout::Materials,
-                table.layout()
-            ),
+            0 => format!("--material needs layout materials; this table has layout {}", table.layout()),
             count => format!("--material {number}: use 0 to {}", count - 1),
         };
         usage(message)

@@ -67,7 +67,7 @@ impl OutputFile {
     /// See [`Self::check`]; and when the name ends like that of another format.
     pub(super) fn check_png(path: &Path) -> Result<Self, CommandFailure> {
         match path.extension().map(|ending| ending.to_ascii_lowercase()) {
-            Some(ending) if ending != "png" && !path.starts_with("/dev") => {
+            Some(ending) if ending != "png" => {
                 Err(usage(format!("{}: pictures are PNG files; end the name in .png", path.display())))
             }
             _ => Self::check(path),

@@ -19,7 +19,7 @@ use ltcforge_files::{
     manifest::MeanError,
 };
 use ltcforge_fit::Recipe;
-use ltcforge_textures::{About, Engine, Export, TextureFile};
+use ltcforge_textures::{About, Export, TextureFile, UnknownExport};
 
 /// Settings for fitting tables.
 #[derive(Debug, Clone, Copy)]
@@ -110,7 +110,7 @@ pub(super) fn asked_by(choice: &ExportChoice, to: &Path) -> Result<ExportPin, Co
     Ok(ExportPin {
         engine: engine.map(|engine| engine.name().to_owned()),
         layout: layout.clone(),
-        container: container.map(|container| container.name().to_owned()),
+        container: container.clone(),
         precision: precision.map(|precision| precision.name().to_owned()),
         to: to.to_owned(),
         file: vec![],
@@ -119,19 +119,10 @@ pub(super) fn asked_by(choice: &ExportChoice, to: &Path) -> Result<ExportPin, Co
 
 /// The export that a pin requests.
 pub(super) fn export_of(pin: &ExportPin) -> Result<Export, CommandFailure> {
-    let known = pin.name().and_then(|name| name.parse().ok());
-    known.ok_or_else(|| {
-        let why = match &pin.engine {
-            Some(engine) if pin.name().is_some() => {
-                let all: Vec<&str> = Engine::ALL.iter().map(|engine| engine.name()).collect();
-                format!("«for» must be one of {}, got «{}»", all.join(", "), engine.escape_debug())
-            }
-            _ => "use «for», or «layout», «container» and optionally «precision», or only a compact «container»; see \
-                  `ltcforge export --help`"
-                .to_owned(),
-        };
-        usage(format!("the export to {}: {why}", pin.to.display()))
-    })
+    const FIELDS: &str = "use «for», or «layout», «container» and optionally «precision», or a compact «container»";
+    let named = pin.name().ok_or_else(|| FIELDS.to_owned());
+    let export = named.and_then(|name| name.parse().map_err(|error: UnknownExport| error.to_string()));
+    export.map_err(|why| usage(format!("the export to {}: {why}", pin.to.display())))
 }
 
 /// A failure of the pin `name`.
@@ -172,9 +163,9 @@ mod tests {
     #[test]
     fn an_unknown_export_is_reported_with_the_known_exports() {
         for (asked, said) in [
-            (pin(Some("unity"), None, None, None), "«for» must be one of three, "),
-            (pin(None, Some("reflected"), Some("bmp"), None), "use «for», or"),
-            (pin(None, Some("reflected"), Some("dds"), Some("f64")), "use «for», or"),
+            (pin(Some("unity"), None, None, None), "«unity» is not an export; allowed: an engine (three, "),
+            (pin(None, Some("reflected"), Some("bmp"), None), "«reflected.bmp.f32» is not an export"),
+            (pin(None, Some("reflected"), Some("dds"), Some("f64")), "«reflected.dds.f64» is not an export"),
             (pin(None, None, None, None), "use «for», or"),
             (pin(Some("wgpu"), Some("reflected"), Some("dds"), None), "use «for», or"),
             (pin(None, Some("reflected"), None, None), "use «for», or"),

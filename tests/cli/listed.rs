@@ -45,7 +45,7 @@ fn a_material_is_looked_up_by_its_number() {
     let refused = run_with_stdin(here, ["lookup", &grid, "--tables", ".", "--points", "-", "--material", "0"], "0,0\n");
     let output = refused.exited(2).stderr;
     assert!(
-        output.contains("--material needs a table of layout materials; this table has layout reflected"),
+        output.contains("--material needs layout materials; this table has layout reflected"),
         "{output}"
     );
 }

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+// ltcforge 0.1.0, revision 1, sha256 of the text below: 662fb1f2aa8379b3
+// Area lights on GGX without a table, in the space of its normals, by rule fast.
+//
+//   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
+//   normals_rectangle, normals_polygon, normals_disk  for each light. Vertices are relative to the point in this frame and
+//       run clockwise as seen from the side that emits. The third corner of a rectangle is not read.
+//       Light of radiance L arrives as L (f0 (x - y) + f90 y).
+//
+// CHECK of the rectangle (-1 -1 1) (1 -1 1) (1 1.5 -0.5) (-1 1.5 -0.5), alpha_x alpha_y (wo): x y, within 0.00002
+//   0.3 0.15 (0.36 0.48 0.8): 0.695982 0.000554
+//   0.2 0.6 (-0.64 0.48 0.6): 0.544837 0.002457
+//   0.05 0.02 (0.576 -0.768 0.28): 0.989561 0.186979
+
+/// A surface seen from direction wo. A = diag(alpha, 1).
+struct NormalsView {
+    alpha: vec2<f32>,
+    per_alpha: vec2<f32>,
+    wo: vec3<f32>,
+    image: vec3<f32>, // A^-1 wo
+    stretched: vec3<f32>, // A wo
+    length: f32, // length of A wo
+    rise: f32, // rise of wo
+}
+
+/// Computes the view for all lights at a point. alpha is in (0, 1]. wo is a unit vector in the tangent frame,
+/// normal +z.
+fn normals_view(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> NormalsView {
+    let alpha = max(vec2(alpha_x, alpha_y), vec2(1e-5));
+    let stretched = vec3(alpha * wo.xy, wo.z);
+    let length = sqrt(dot(stretched, stretched));
+    return NormalsView(alpha, 1.0 / alpha, wo, vec3(wo.xy / alpha, wo.z), stretched, length, wo.z / length);
+}
+
+/// One over the length of a vector; finite for a zero vector.
+fn normals_per_length(v: vec3<f32>) -> f32 {
+    return inverseSqrt(v.x * v.x + (v.y * v.y + (v.z * v.z + 1e-30)));
+}
+
+/// The rise z / |A w| of a direction; zero below the surface.
+fn normals_rise(view: NormalsView, w: vec3<f32>) -> f32 {
+    return max(w.z, 0.0) * normals_per_length(vec3(view.alpha * w.xy, w.z));
+}
+
+/// Smith's G2 / G1 from the rise of the light direction: the fraction that is not shadowed.
+fn normals_weight_of(view: NormalsView, rise: f32) -> f32 {
+    return (1.0 + view.rise) * rise / (rise + view.rise);
+}
+
+/// G2 / G1 for the normal A c (x), and 1 - wo . h (y). c may have any length and sign.
+fn normals_weight(view: NormalsView, c: vec3<f32>) -> vec2<f32> {
+    let normal = vec3(view.alpha * c.xy, c.z);
+    let h = normal * normals_per_length(normal);
+    let cosine = dot(view.wo, h);
+    let rise = normals_rise(view, 2.0 * cosine * h - view.wo);
+    return vec2(normals_weight_of(view, rise), saturate(1.0 - abs(cosine)));
+}
+
+/// The angle between two unit vectors, divided by its sine. Relative error below 8e-4.
+fn normals_angle(a: vec3<f32>, b: vec3<f32>) -> f32 {
+    let h = a.x * b.x + (a.y * b.y + (a.z * b.z + 1.0000002));
+    return (2.2214415 + h * 0.4152027) * inverseSqrt(h) + (-0.9720743 + h * -0.0933735);
+}
+
+/// Adds the integral of c x dc along the arcs of great circles from a to q and from q to n.
+fn normals_arcs(flux: vec3<f32>, a: vec3<f32>, q: vec3<f32>, n: vec3<f32>) -> vec3<f32> {
+    let s = normals_angle(q, n) * n - normals_angle(a, q) * a;
+    return vec3(flux.x + q.y * s.z - q.z * s.y, flux.y + q.z * s.x - q.x * s.z, flux.z + q.x * s.y - q.y * s.x);
+}
+
+/// A corner of a light: its direction w, the image A^-1 (wo + w), the unit vector c along the image, and the image's
+/// length.
+struct NormalsCorner {
+    w: vec3<f32>,
+    image: vec3<f32>,
+    c: vec3<f32>,
+    length: f32,
+}
+
+fn normals_corner(view: NormalsView, v: vec3<f32>) -> NormalsCorner {
+    let w = v * normals_per_length(v);
+    let image = w * vec3(view.per_alpha, 1.0) + view.image;
+    let length2 = image.x * image.x + (image.y * image.y + (image.z * image.z + 1e-30));
+    let per_length = inverseSqrt(length2);
+    return NormalsCorner(w, image, image * per_length, length2 * per_length);
+}
+
+/// Adds the integral of c x dc along the image of an edge, by four arcs. The image is the conic a + 2 t b + t^2 c.
+fn normals_edge(view: NormalsView, flux: vec3<f32>, begin: NormalsCorner, end: NormalsCorner) -> vec3<f32> {
+    let a = begin.c;
+    let c = end.c;
+    let sum = begin.w + end.w;
+    let y = sum.x * sum.x + (sum.y * sum.y + (sum.z * sum.z + 1e-12));
+    let image = begin.image + end.image + (0.5 * y - 2.0) * view.image;
+    let b = image * inverseSqrt(y * (begin.length * end.length));
+    // Split the conic at the point equally far from both ends, if the ends differ.
+    let apart = a - c;
+    let bend = 2.0 * dot(b, apart) / (apart.x * apart.x + (apart.y * apart.y + (apart.z * apart.z + 1e-8)));
+    let t = bend + sqrt(bend * bend + 1.0);
+    let left = a + t * b;
+    let right = b + t * c;
+    let middle = left + t * right;
+    let per_length = normals_per_length(middle);
+    let n = per_length * middle;
+    // The arcs of each half meet a little outside the conic, so that they enclose its area.
+    let root = sqrt(per_length);
+    let least = 3.4 * root;
+    let more = 0.6 * per_length * root;
+    let q = a + n + (least + more * dot(left, left)) * left;
+    let r = c + n + (least + more * dot(right, right)) * right;
+    return normals_arcs(normals_arcs(flux, a, q * normals_per_length(q), n), n, r * normals_per_length(r), c);
+}
+
+/// The reflected light of a rectangle of radiance one: for a Fresnel factor of one (x), and weighted by Schlick's
+/// (1 - wo . h)^5 (y).
+fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided: bool) -> vec2<f32> {
+    // Orient both sides so that they rise. A corner below the surface slides up along its side.
+    let falls = select(vec2(0.0), vec2(1.0), vec2(corners[1].z, corners[3].z) < corners[0].zz);
+    let along = corners[1] - corners[0];
+    let across = corners[3] - corners[0];
+    let x = (1.0 - 2.0 * falls.x) * along;
+    let y = (1.0 - 2.0 * falls.y) * across;
+    let low = corners[0] + falls.x * along + falls.y * across;
+    let right = low + x;
+    let left = low + y;
+    if (right.z + y.z <= 0.0) {
+        return vec2(0.0);
+    }
+    let slide = -1.0 / max(vec2(x.z, y.z), vec2(1e-15));
+    let right_up = right + saturate(right.z * slide.y) * y;
+    let left_up = left + saturate(left.z * slide.x) * x;
+    // a and b are the ends of the lowest side after clipping. They are equal if the surface cuts nothing off.
+    let a = normals_corner(view, select(low + saturate(low.z * slide.y) * y, left_up, left.z <= 0.0));
+    let b = normals_corner(view, select(low + saturate(low.z * slide.x) * x, right_up, right.z <= 0.0));
+    var flux = normals_edge(view, vec3(0.0), a, b);
+    let c = normals_corner(view, right_up);
+    flux = normals_edge(view, flux, b, c);
+    let high = normals_corner(view, right + y);
+    flux = normals_edge(view, flux, c, high);
+    let d = normals_corner(view, left_up);
+    flux = normals_edge(view, normals_edge(view, flux, high, d), d, a);
+    let projected = select(1.0, -1.0, falls.x != falls.y) * dot(flux, view.stretched);
+    let rise = normals_rise(view, a.w) + normals_rise(view, c.w) + normals_rise(view, d.w) + normals_rise(view, high.w);
+    return normals_mean(view, flux, projected, 0.25 * rise, two_sided);
+}
+
+/// The reflected light of a convex polygon with 3 to 8 vertices, as in normals_rectangle.
+fn normals_polygon(view: NormalsView, vertices: ptr<function, array<vec3<f32>, 8>>, count: u32, two_sided: bool) -> vec2<f32> {
+    let number = clamp(count, 3u, 8u);
+    var a = (*vertices)[number - 1u];
+    var setting = normals_corner(view, a);
+    var rising = setting;
+    var flux = vec3(0.0);
+    var rise = 0.0;
+    for (var i = 0u; i < 8u; i++) {
+        if (i < number) {
+            let b = (*vertices)[i];
+            if (a.z > 0.0 || b.z > 0.0) {
+                let cut = vec3(a.xy * abs(b.z) + b.xy * abs(a.z), 0.0);
+                let begin = normals_corner(view, select(cut, a, a.z > 0.0));
+                let end = normals_corner(view, select(cut, b, b.z > 0.0));
+                flux = normals_edge(view, flux, begin, end);
+                if (a.z <= 0.0) {
+                    rising = begin;
+                }
+                if (b.z <= 0.0) {
+                    setting = end;
+                }
+            }
+            rise += normals_rise(view, b);
+            a = b;
+        }
+    }
+    flux = normals_edge(view, flux, setting, rising);
+    return normals_mean(view, flux, dot(flux, view.stretched), rise / f32(number), two_sided);
+}
+
+/// The fraction of the visible normals that reflect the light, times their mean weight. A small network corrects the
+/// weight of the mean normal, from the weight at the vertices and from the fraction.
+fn normals_mean(view: NormalsView, flux: vec3<f32>, projected: f32, rise: f32, two_sided: bool) -> vec2<f32> {
+    let part = saturate(select(projected, abs(projected), two_sided) * 0.31830989 / (view.wo.z + view.length));
+    let at_mean = normals_weight(view, flux);
+    let at_vertices = normals_weight_of(view, rise);
+    let per_length = normals_per_length(flux);
+    let alpha = vec2(max(view.alpha.x, view.alpha.y), min(view.alpha.x, view.alpha.y));
+    let first = vec4(part, view.rise, at_mean);
+    let second = vec4(abs(flux.z) * per_length, alpha, at_vertices);
+    let units_0 = max(
+        mat4x3(0.957, -0.2205, 0.6027, -1.39, -0.5151, 0.9099, -10.86, 9.136, -6.964, 0.2335, -0.0706, 0.5823) * first
+        + mat4x3(0.1728, 0.4426, -1.059, -1.234, -0.7694, 2.05, -0.7549, -0.2645, 1.341, -0.01225, -0.1219, 1.024) * second
+        + vec3(10.96, -8.294, 4.826),
+        vec3(0.0),
+    );
+    let outputs = mat3x3(-0.03396, -0.1141, -0.04112, 0.01311, -0.004379, -0.3055, -0.04821, 0.008404, 0.1643) * units_0
+        + vec3(-0.005077, 0.001849, 0.1108);
+    let weight = saturate(at_mean.x + outputs.z * (at_vertices - at_mean.x) + outputs.x * part);
+    let m2 = at_mean.y * at_mean.y;
+    return part * vec2(weight, clamp(weight * m2 * m2 * at_mean.y + outputs.y * part, 0.0, weight));
+}
+
+/// The reflected light of a disk, replaced by the regular octagon of the same area. The disk emits towards half_x x
+/// half_y.
+fn normals_disk(view: NormalsView, centre: vec3<f32>, half_x: vec3<f32>, half_y: vec3<f32>, two_sided: bool) -> vec2<f32> {
+    var vertices: array<vec3<f32>, 8>;
+    var turn = vec2(0.97368348, 0.4033129);
+    for (var i = 0u; i < 8u; i++) {
+        vertices[i] = centre + half_x * turn.x + half_y * turn.y;
+        turn = 0.70710678 * vec2(turn.x + turn.y, turn.y - turn.x);
+    }
+    return normals_polygon(view, &vertices, 8u, two_sided);
+}
