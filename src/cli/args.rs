@@ -62,7 +62,7 @@ fn explained(error: clap::Error) -> clap::Error {
     let (argument, value) = (context(ContextKind::InvalidArg), context(ContextKind::InvalidValue));
     let source = error::Error::source(&error).map(ToString::to_string).unwrap_or_default();
     let advice = match (error.kind(), &*source) {
-        (ErrorKind::UnknownArgument, _) if argument == "--preset" => "name it alone, as in ltcforge fit paper",
+        (ErrorKind::UnknownArgument, _) if argument == "--preset" => "name the preset alone: ltcforge fit paper",
         (_, text) if text.contains("digit") || text.contains("integer") || text.contains("number too") => {
             "use a whole number without a unit, such as 20000"
         }

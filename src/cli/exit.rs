@@ -95,8 +95,7 @@ pub(super) fn bad_recipe(name: &Path, error: RecipeError) -> CommandFailure {
     let message = match error {
         RecipeError::Json(detail) => format!("{name}: not JSON: {detail}"),
         RecipeError::Faults(faults) => {
-            let place =
-                |fault: &Fault| if fault.pointer.is_empty() { String::new() } else { format!("{}: ", fault.pointer) };
+            let place = |at: &Fault| if at.pointer.is_empty() { String::new() } else { format!("{}: ", at.pointer) };
             let lines = faults.iter().map(|fault| format!("{name}: {}{}", place(fault), fault.detail));
             lines.collect::<Vec<String>>().join("\n")
         }

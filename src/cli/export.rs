@@ -68,7 +68,7 @@ impl ExportChoice {
             (None, _) | (_, None) => return Ok(self.clone()),
             (Some(Engine::Wgpu), Some(Precision::F16)) => Engine::WgpuHalf,
             (Some(Engine::Wgpu), _) => Engine::Wgpu,
-            (Some(other), _) => return Err(usage(format!("--for {other} has a fixed precision: leave it out"))),
+            (Some(other), _) => return Err(usage(format!("--for {other} needs no --precision: leave it out"))),
         };
         Ok(Self { engine: Some(engine), precision: None, ..self.clone() })
     }

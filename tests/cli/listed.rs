@@ -44,10 +44,7 @@ fn a_material_is_looked_up_by_its_number() {
     let grid = fitted(here, r#""layout": "reflected", "range": {"alpha": [0.5, 0.5], "ratio": [1, 1]}"#);
     let refused = run_with_stdin(here, ["lookup", &grid, "--tables", ".", "--points", "-", "--material", "0"], "0,0\n");
     let output = refused.exited(2).stderr;
-    assert!(
-        output.contains("--material needs layout materials; this table has layout reflected"),
-        "{output}"
-    );
+    assert!(output.contains("--material needs layout materials; this table has layout reflected"), "{output}");
 }
 
 #[test]
