@@ -1,4 +1,5 @@
-//! Decodes the channels that a material needs from PNG, JPEG and WebP images.
+//! Decodes the channels that a material needs from PNG, JPEG and WebP images. Colour profiles are ignored, as
+//! glTF 2.0 requires.
 
 use std::{error::Error, io::Cursor};
 
@@ -6,7 +7,7 @@ use zune_core::{bytestream::ZCursor, colorspace::ColorSpace, options::DecoderOpt
 use zune_jpeg::JpegDecoder;
 
 use super::error::SceneError;
-use ltcforge_files::bounded::check_jpeg;
+use ltcforge_files::bounded::complete_jpeg;
 
 /// Maximum number of pixels of one image.
 pub(super) const MOST_PIXELS: u64 = 1 << 26;
@@ -37,7 +38,7 @@ type Decoded<T> = Result<T, Box<dyn Error>>;
 /// An image whose header was read.
 enum Decoder<'a> {
     Png(Box<png::Decoder<Cursor<&'a [u8]>>>),
-    Jpeg(Box<JpegDecoder<ZCursor<&'a [u8]>>>),
+    Jpeg(Box<JpegDecoder<ZCursor<Vec<u8>>>>),
     Webp(image_webp::WebPDecoder<Cursor<&'a [u8]>>),
 }
 
@@ -55,8 +56,8 @@ impl<'a> Decoder<'a> {
                 (Self::Png(Box::new(decoder)), size)
             }
             [0xff, 0xd8, ..] => {
-                check_jpeg(bytes)?;
-                let options = DecoderOptions::default().jpeg_set_out_colorspace(ColorSpace::RGB);
+                let bytes = complete_jpeg(bytes)?;
+                let options = DecoderOptions::default().jpeg_set_out_colorspace(ColorSpace::RGB).set_strict_mode(true);
                 let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
                 decoder.decode_headers()?;
                 let (width, height) = decoder.dimensions().ok_or("it has no size")?;
