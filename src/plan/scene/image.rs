@@ -173,4 +173,25 @@ mod tests {
         let equal = webp(&[canvas, chunk(b"VP8 ", &frame(1))].concat());
         assert_eq!(pixels_of("/images/0", &equal).expect("a header"), Some(1));
     }
+
+    /// The same file with fewer pixels than its header states, cut off, and with colours in separate scans.
+    #[test]
+    fn a_jpeg_without_all_of_its_pixels_is_refused() {
+        let jpeg = |is_optimized: bool| {
+            let mut bytes = Vec::new();
+            let mut encoder = jpeg_encoder::Encoder::new(&mut bytes, 90);
+            encoder.set_optimized_huffman_tables(is_optimized);
+            encoder.encode(&[7; 3 * 64 * 64], 64, 64, jpeg_encoder::ColorType::Rgb).expect("a JPEG");
+            bytes
+        };
+        let whole = jpeg(false);
+        assert_eq!(decode("/images/0", &whole, &[0]).expect("an image").size, [64, 64]);
+        let at = whole.windows(2).position(|pair| pair == [0xff, 0xc0]).expect("a header");
+        let mut larger = whole.clone();
+        larger[at + 5..at + 9].copy_from_slice(&[8, 0, 8, 0]);
+        for damaged in [larger, whole[..whole.len() - 9].to_vec(), jpeg(true)] {
+            let error = decode("/images/0", &damaged, &[0]).expect_err("damaged").to_string();
+            assert!(error.contains("/images/0") && error.contains("the image is invalid"), "{error}");
+        }
+    }
 }

@@ -11,7 +11,7 @@ use ::exr::{
 
 use super::{Curve, Decoded, LightFileError, PictureFormat, Wanted, from_floats, primaries};
 
-/// The largest number of channels of a part. The crate decompresses the channels that are not read as well.
+/// The largest number of channels of a part. The crate also decompresses channels that are not read.
 const MOST_CHANNELS: usize = 16;
 
 /// Limits for the bytes and attributes in all headers, because the crate uses up to a kilobyte per attribute.
@@ -51,34 +51,32 @@ pub(super) fn decode(bytes: &[u8], wanted: Wanted) -> Result<Decoded, LightFileE
     let meta = MetaData::read_from_buffered(bytes, false).map_err(wrong)?;
     for header in &meta.headers {
         wanted.bounded(header.layer_size.width() as u64, header.layer_size.height() as u64)?;
+        let channels = header.channels.list.len();
+        if channels > MOST_CHANNELS {
+            let reason =
+                format!("a part has {channels} channels; at most {MOST_CHANNELS} are allowed: save R, G and B only");
+            return Err(LightFileError::broken(PictureFormat::Exr, reason));
+        }
     }
     let has = |header: &Header, names: &[&str]| {
         names.iter().all(|name| header.channels.list.iter().any(|channel| channel.name.eq(name)))
     };
-    let part = [["R", "G", "B"].as_slice(), &["Y"]].into_iter().find_map(|names| {
-        meta.headers.iter().find(|header| has(header, names)).map(|header| (header, names.len() > 1))
-    });
-    let Some((part, is_coloured)) = part else {
+    let (colour, grey) = (["R", "G", "B"], ["Y"]);
+    let (size, mut texels) = if meta.headers.iter().any(|header| has(header, &colour)) {
+        coloured(bytes).map_err(wrong)?
+    } else if meta.headers.iter().any(|header| has(header, &grey)) {
+        grey_only(bytes).map_err(wrong)?
+    } else {
         let names: Vec<String> =
             meta.headers.iter().flat_map(|h| h.channels.list.iter()).map(|c| c.name.to_string()).collect();
         let reason = format!("its channels are {}; R, G and B, or Y, are required", names.join(", "));
         return Err(LightFileError::broken(PictureFormat::Exr, reason));
     };
-    let channels = part.channels.list.len();
-    if channels > MOST_CHANNELS {
-        let reason = format!(
-            "its part with {} has {channels} channels; at most {MOST_CHANNELS} are allowed: save the others to another file",
-            if is_coloured { "R, G and B" } else { "Y" }
-        );
-        return Err(LightFileError::broken(PictureFormat::Exr, reason));
-    }
-    let stated = part.shared_attributes.chromaticities;
-    let primaries =
-        primaries(stated.map(|c| [c.red, c.green, c.blue, c.white].map(|xy| [xy.x(), xy.y()].map(f64::from))))?;
-    let (size, mut texels) = if is_coloured { coloured(bytes) } else { grey_only(bytes) }.map_err(wrong)?;
+    let stated = meta.headers.iter().find_map(|header| header.shared_attributes.chromaticities);
+    let stated = stated.map(|xy| [xy.red, xy.green, xy.blue, xy.white].map(|xy| [xy.x(), xy.y()].map(f64::from)));
     let curve = wanted.curve(Curve::Linear);
     from_floats(&mut texels, &curve);
-    Ok(Decoded { size, curve, primaries, texels, orientation: 1 })
+    Ok(Decoded { size, curve, primaries: primaries(stated)?, texels, orientation: 1 })
 }
 
 /// The size, and texels that are filled one by one.
