@@ -64,11 +64,11 @@ pub(super) fn run(args: &LightTextureArgs, context: &mut Context<'_>) -> Result<
         LightTextureError::Files(error) => usage(error),
         error => refuse(&error),
     })?;
-    let LightTexture { format, transfer, picture, size, levels, texels, error, clamped, files } = &made;
+    let LightTexture { format, transfer, primaries, picture, size, levels, texels, error, clamped, files } = &made;
     let unit = if *format == PROFILE_FORMAT { "angles" } else { "pixels" };
     let ([across, down], [width, height]) = (picture, size);
     let mut text = format!(
-        "{format}, {across} x {down} {unit}, {transfer}; {levels} levels from {width} x {height} texels, {texels}\n"
+        "{format}, {across} x {down} {unit}, {transfer}, {primaries}; {levels} levels from {width} x {height} texels, {texels}\n"
     );
     let mut list = Vec::new();
     for file in files {

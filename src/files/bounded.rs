@@ -93,14 +93,43 @@ fn too_long(what: &str, most_bytes: u64) -> io::Error {
 /// which decoders keep in memory.
 const MOST_JPEG_SEGMENTS: usize = 512;
 
-/// Rejects a JPEG with more metadata segments than a decoder should keep.
+/// The number of bytes of ones that [`complete_jpeg`] adds. Decoders read up to 8 bytes ahead.
+const ONES: usize = 32;
+
+/// Checks a JPEG for a strict decoder, and adds ones after its pixels. A decoder continues pixels that end too early
+/// with zeros, which are codes as well. No code has only ones [ITU T.81, section C.2], so the decoder finds them invalid.
 ///
 /// # Errors
-/// When the JPEG has too many segments.
-pub fn check_jpeg(bytes: &[u8]) -> Result<(), String> {
+/// The JPEG is cut off, has more metadata segments than a decoder should keep, or has separate scans for colours without
+/// being progressive. zune-jpeg 0.5 leaves out rows of such scans.
+pub fn complete_jpeg(bytes: &[u8]) -> Result<Vec<u8>, String> {
     let is_kept = |pair: &&[u8]| matches!(pair, [0xff, 0xe1 | 0xe2]);
-    let is_more = bytes.windows(2).filter(is_kept).nth(MOST_JPEG_SEGMENTS).is_some();
-    if is_more { Err(format!("more than {MOST_JPEG_SEGMENTS} segments of metadata")) } else { Ok(()) }
+    if bytes.windows(2).filter(is_kept).nth(MOST_JPEG_SEGMENTS).is_some() {
+        return Err(format!("more than {MOST_JPEG_SEGMENTS} segments of metadata"));
+    }
+    let (end, has_one_scan) = end_of_jpeg(bytes).ok_or("it is cut off: its end marker is missing")?;
+    if !has_one_scan {
+        return Err("its colours have separate scans; save it with one scan, or progressive".to_owned());
+    }
+    Ok([&bytes[..end], &[0xff, 0].repeat(ONES), &[0xff, 0xd9]].concat())
+}
+
+/// The position of the end marker, and whether the JPEG is progressive or has one scan. Thumbnails in metadata and
+/// images after the first have markers of their own.
+fn end_of_jpeg(bytes: &[u8]) -> Option<(usize, bool)> {
+    let (mut at, mut scans, mut is_progressive) = (2, 0, false);
+    loop {
+        // Zeros and restart markers are between pixels.
+        let is_marker = |pair: &[u8]| pair[0] == 0xff && !matches!(pair[1], 0 | 0xff | 0xd0..=0xd7);
+        at += bytes.get(at..)?.windows(2).position(is_marker)?;
+        match bytes[at + 1] {
+            0xd9 => return Some((at, is_progressive || scans <= 1)),
+            0xc2 => is_progressive = true,
+            0xda => scans += 1,
+            _ => {}
+        }
+        at += 2 + usize::from(u16::from_be_bytes(*bytes.get(at + 2..)?.first_chunk()?));
+    }
 }
 
 #[cfg(test)]

@@ -34,8 +34,8 @@ pub use layouts::{
 };
 pub use light::{
     Curve, LightFileError, LightPicture, LightSize, LightTexels, LightTexture, LightTextureError, LightTextureFile,
-    LightTextureFiles, LightTextureOptions, MOST_PIXELS, PROFILE_FORMAT, PictureFormat, Profile, ProfileError,
-    TransferFunction, is_light_texture, light_texture, light_texture_files,
+    LightTextureFiles, LightTextureOptions, MOST_PIXELS, PROFILE_FORMAT, PictureFormat, Primaries, Profile,
+    ProfileError, TransferFunction, is_light_texture, light_texture, light_texture_files,
 };
 pub use rounding::{Rounded, RoundingError, round};
 pub use texture::{Texture, TextureError};

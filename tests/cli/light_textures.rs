@@ -28,7 +28,7 @@ fn a_picture_becomes_one_file_with_all_levels() {
     picture(here);
     let output = run(here, ["light-texture", "sign.png", "-o", "a/b", "--light", "3x1", "--json"]).exited(0).stdout;
     let output: Value = serde_json::from_str(&output).expect("JSON");
-    assert_eq!([&output["format"], &output["transfer"]], ["PNG", "srgb"]);
+    assert_eq!([&output["format"], &output["transfer"], &output["primaries"]], ["PNG", "srgb", "BT.709"]);
     assert_eq!((&output["picture"], &output["size"]), (&serde_json::json!([6, 4]), &serde_json::json!([12, 4])));
     let bytes = fs::read(here.join("a/b/light.ktx2")).expect("the file");
     assert_eq!(output["files"][0]["sha256"], Digest::of(&bytes).hex());
@@ -54,7 +54,10 @@ fn a_picture_becomes_one_file_with_all_levels() {
         "1",
     ];
     let said = run(here, line).exited(0).stdout;
-    assert!(said.starts_with("PNG, 6 x 4 pixels, srgb; 3 levels from 6 x 4 texels, rgba32f\nc/tv_0.exr  "), "{said}");
+    assert!(
+        said.starts_with("PNG, 6 x 4 pixels, srgb, BT.709; 3 levels from 6 x 4 texels, rgba32f\nc/tv_0.exr  "),
+        "{said}"
+    );
     let decode =
         |path: &str| LightPicture::decode(&fs::read(here.join(path)).expect("a file"), None).expect("a picture");
     let pyramid = LightPyramid::new(&decode("sign.png").image);
@@ -74,7 +77,7 @@ fn a_picture_that_becomes_coarser_is_reported() {
         run(here, line).exited(0).stdout
     };
     let coarser = said(&["--light", "8192x1"]);
-    assert!(coarser.contains("srgb; 14 levels from 8192 x 1 texels"), "{coarser}");
+    assert!(coarser.contains("BT.709; 14 levels from 8192 x 1 texels"), "{coarser}");
     assert!(
         coarser.contains("coarser than the picture: the limit is 8192 texels per side and 16777216 in total\n"),
         "{coarser}"
@@ -94,7 +97,10 @@ fn a_profile_becomes_a_picture_of_its_directions() {
     fs::write(here.join("spot.ies"), profile).expect("a file");
     let line = ["light-texture", "spot.ies", "-o", "out", "--as", "exr"];
     let said = run(here, line).exited(0).stdout;
-    assert!(said.starts_with("IES LM-63, 1 x 3 angles, linear; 10 levels from 512 x 512 texels, rgba16f\n"), "{said}");
+    assert!(
+        said.starts_with("IES LM-63, 1 x 3 angles, linear, BT.709; 10 levels from 512 x 512 texels, rgba16f\n"),
+        "{said}"
+    );
     let image =
         LightPicture::decode(&fs::read(here.join("out/light_0.exr")).expect("a file"), None).expect("a picture");
     // The finest level is blurred by two texels. Around 45 degrees the radiance decreases evenly.

@@ -62,13 +62,27 @@ fn pictures() {
     for seed in &seeds {
         LightPicture::decode(seed, None).expect("a valid seed");
     }
-    let words =
-        ["IHDR", "IDAT", "PLTE", "tRNS", "cICP", "gAMA", "-Y ", "+X ", "FORMAT=", "\n", "channels\0", "chlist\0"];
+    let words = [
+        "IHDR",
+        "IDAT",
+        "PLTE",
+        "tRNS",
+        "cICP",
+        "gAMA",
+        "cHRM",
+        "-Y ",
+        "+X ",
+        "FORMAT=",
+        "PRIMARIES=",
+        "\n",
+        "channels\0",
+        "chlist\0",
+    ];
     Target { name: "picture", seeds, words: &words, inputs: 1500 }.survive(|bytes| {
         match LightPicture::decode_within(bytes, None, MOST_PIXELS) {
             Ok(picture) => {
                 assert!(picture.image.texels().iter().flatten().all(|number| number.is_finite() && *number >= 0.0));
-                format!("{} {:?}", picture.format.name(), picture.curve)
+                format!("{} {}", picture.format.name(), picture.curve)
             }
             // Names and checksums of chunks come from the file, so they are removed.
             Err(error) => error.to_string().split("ChunkType").next().unwrap_or_default().to_owned(),

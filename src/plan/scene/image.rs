@@ -1,4 +1,5 @@
-//! Decodes the channels that a material needs from PNG, JPEG and WebP images.
+//! Decodes the channels that a material needs from PNG, JPEG and WebP images. Colour profiles are ignored, as
+//! glTF 2.0 requires.
 
 use std::{error::Error, io::Cursor};
 
@@ -6,7 +7,7 @@ use zune_core::{bytestream::ZCursor, colorspace::ColorSpace, options::DecoderOpt
 use zune_jpeg::JpegDecoder;
 
 use super::error::SceneError;
-use ltcforge_files::bounded::check_jpeg;
+use ltcforge_files::bounded::complete_jpeg;
 
 /// Maximum number of pixels of one image.
 pub(super) const MOST_PIXELS: u64 = 1 << 26;
@@ -37,7 +38,7 @@ type Decoded<T> = Result<T, Box<dyn Error>>;
 /// An image whose header was read.
 enum Decoder<'a> {
     Png(Box<png::Decoder<Cursor<&'a [u8]>>>),
-    Jpeg(Box<JpegDecoder<ZCursor<&'a [u8]>>>),
+    Jpeg(Box<JpegDecoder<ZCursor<Vec<u8>>>>),
     Webp(image_webp::WebPDecoder<Cursor<&'a [u8]>>),
 }
 
@@ -55,8 +56,8 @@ impl<'a> Decoder<'a> {
                 (Self::Png(Box::new(decoder)), size)
             }
             [0xff, 0xd8, ..] => {
-                check_jpeg(bytes)?;
-                let options = DecoderOptions::default().jpeg_set_out_colorspace(ColorSpace::RGB);
+                let bytes = complete_jpeg(bytes)?;
+                let options = DecoderOptions::default().jpeg_set_out_colorspace(ColorSpace::RGB).set_strict_mode(true);
                 let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
                 decoder.decode_headers()?;
                 let (width, height) = decoder.dimensions().ok_or("it has no size")?;
@@ -171,5 +172,26 @@ mod tests {
         assert!(refused(&large).contains("its frame and its canvas have different sizes"), "{}", refused(&large));
         let equal = webp(&[canvas, chunk(b"VP8 ", &frame(1))].concat());
         assert_eq!(pixels_of("/images/0", &equal).expect("a header"), Some(1));
+    }
+
+    /// The same file with fewer pixels than its header states, cut off, and with colours in separate scans.
+    #[test]
+    fn a_jpeg_without_all_of_its_pixels_is_refused() {
+        let jpeg = |is_optimized: bool| {
+            let mut bytes = Vec::new();
+            let mut encoder = jpeg_encoder::Encoder::new(&mut bytes, 90);
+            encoder.set_optimized_huffman_tables(is_optimized);
+            encoder.encode(&[7; 3 * 64 * 64], 64, 64, jpeg_encoder::ColorType::Rgb).expect("a JPEG");
+            bytes
+        };
+        let whole = jpeg(false);
+        assert_eq!(decode("/images/0", &whole, &[0]).expect("an image").size, [64, 64]);
+        let at = whole.windows(2).position(|pair| pair == [0xff, 0xc0]).expect("a header");
+        let mut larger = whole.clone();
+        larger[at + 5..at + 9].copy_from_slice(&[8, 0, 8, 0]);
+        for damaged in [larger, whole[..whole.len() - 9].to_vec(), jpeg(true)] {
+            let error = decode("/images/0", &damaged, &[0]).expect_err("damaged").to_string();
+            assert!(error.contains("/images/0") && error.contains("the image is invalid"), "{error}");
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! Pictures on lights: image files and profiles, and the files of a prefiltered picture.
 
-mod curve;
+mod colour;
 mod decode;
 mod files;
 mod profile;
@@ -10,7 +10,7 @@ mod size;
 mod tests;
 mod texture;
 
-pub use curve::{Curve, TransferFunction};
+pub use colour::{Curve, Primaries, TransferFunction};
 pub use decode::{LightFileError, LightPicture, MOST_PIXELS, PictureFormat};
 pub use files::{LightTexels, LightTextureFile, LightTextureFiles, is_light_texture, light_texture_files};
 pub use profile::{PROFILE_FORMAT, Profile, ProfileError};

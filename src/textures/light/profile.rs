@@ -27,16 +27,20 @@ pub struct ProfileError(Vec<String>);
 pub struct Profile {
     /// Angles from the axis, in degrees.
     vertical: Vec<f64>,
-    /// Angles around the axis in degrees. They end at 0 for rotational symmetry, at 90 for four equal quadrants, at 180
-    /// for two equal halves, and otherwise at 360.
+    /// Angles around the axis in degrees. They run from 0 to 0 for rotational symmetry, to 90 for four equal quadrants,
+    /// to 180 or from 90 to 270 for two equal halves, and otherwise to 360.
     horizontal: Vec<f64>,
     /// The candelas for each horizontal angle and, within it, each vertical angle.
     candelas: Vec<f64>,
 }
 
+/// The byte-order mark of UTF-8, which some programs write first.
+const MARK: &[u8] = b"\xef\xbb\xbf";
+
 /// Whether the bytes start like an IES file of LM-63-1991 or later.
 pub(super) fn is_profile(bytes: &[u8]) -> bool {
-    [b"IESNA".as_slice(), b"IES:"].iter().any(|magic| bytes.starts_with(magic))
+    let text = bytes.strip_prefix(MARK).unwrap_or(bytes);
+    [b"IESNA".as_slice(), b"IES:"].iter().any(|magic| text.starts_with(magic))
 }
 
 impl Profile {
@@ -50,17 +54,21 @@ impl Profile {
         if bytes.len() > MOST_BYTES {
             return Err(one(format!("{} bytes; at most {MOST_BYTES} are read", bytes.len())));
         }
-        let text = String::from_utf8_lossy(bytes);
-        let at = text.find("TILT=").ok_or_else(|| one("the line TILT= is missing".to_owned()))?;
-        let (tilt, rest) = text[at + 5..].split_once('\n').unwrap_or((&text[at + 5..], ""));
-        if tilt.trim() != "NONE" {
-            let tilt: String = tilt.trim().chars().take(40).collect();
+        let text = String::from_utf8_lossy(bytes.strip_prefix(MARK).unwrap_or(bytes));
+        let mut lines = text.split(['\r', '\n']);
+        let tilt = lines.find_map(|line| {
+            let (name, tilt) = line.split_once('=')?;
+            name.trim().eq_ignore_ascii_case("TILT").then_some(tilt.trim())
+        });
+        let tilt = tilt.ok_or_else(|| one("the line TILT= is missing".to_owned()))?;
+        if !tilt.eq_ignore_ascii_case("NONE") {
+            let tilt: String = tilt.chars().take(40).collect();
             return Err(one(format!("TILT is «{tilt}»; only NONE is supported")));
         }
-        let words = rest.split(|c: char| c.is_whitespace() || c == ',').filter(|word| !word.is_empty());
+        let words = lines.flat_map(|line| line.split(|c: char| c.is_whitespace() || c == ','));
+        let words = words.filter(|word| !word.is_empty());
         let mut numbers = Vec::new();
         for word in words.take(HEADER + 2 * MOST_ANGLES + MOST_CANDELAS + 1) {
-            let word: &str = word;
             let number = word.parse::<f64>().ok().filter(|number| number.is_finite());
             let shown = || word.chars().take(40).collect::<String>();
             numbers.push(number.ok_or_else(|| one(format!("number {} is «{}»", numbers.len() + 1, shown())))?);
@@ -80,10 +88,12 @@ impl Profile {
         if numbers[5] != 1.0 {
             faults.push(format!("the photometric type is {}; only 1 (type C) is supported", numbers[5]));
         }
-        let factor = numbers[2] * numbers[10];
+        // LM-63-1995 and later reserve the ballast-lamp photometric factor for future use.
+        let of_lamp = if text.starts_with("IESNA91") { numbers[11] } else { 1.0 };
+        let factor = numbers[2] * numbers[10] * of_lamp;
         if factor <= 0.0 {
             faults.push(format!(
-                "the multiplier {} times the ballast factor {} must be above zero",
+                "the multiplier {} times the ballast factor {} times the ballast-lamp factor {of_lamp} must be above zero",
                 numbers[2], numbers[10]
             ));
         }
@@ -98,13 +108,13 @@ impl Profile {
         }
         let (vertical, rest) = numbers[HEADER..].split_at(rows);
         let (horizontal, candelas) = rest.split_at(columns);
-        for (name, angles, ends) in [
-            ("vertical", vertical, [90.0, 180.0].as_slice()),
-            ("horizontal", horizontal, [0.0, 90.0, 180.0, 360.0].as_slice()),
+        for (name, angles, allowed) in [
+            ("vertical", vertical, [[0.0, 90.0], [0.0, 180.0]].as_slice()),
+            ("horizontal", horizontal, &[[0.0, 0.0], [0.0, 90.0], [0.0, 180.0], [0.0, 360.0], [90.0, 270.0]]),
         ] {
-            let last = angles[angles.len() - 1];
-            if angles[0] != 0.0 || !ends.contains(&last) {
-                faults.push(format!("{name} angles run from {} to {last}, not from 0 to one of {ends:?}", angles[0]));
+            let ends = [angles[0], angles[angles.len() - 1]];
+            if !allowed.contains(&ends) {
+                faults.push(format!("{name} angles run from {} to {}; allowed: {allowed:?}", ends[0], ends[1]));
             }
             if !angles.is_sorted_by(|a, b| a < b) {
                 faults.push(format!("{name} angles must ascend"));
@@ -112,6 +122,11 @@ impl Profile {
         }
         if let Some(i) = candelas.iter().position(|value| *value < 0.0) {
             faults.push(format!("candela {} is {}; candelas must not be negative", i + 1, candelas[i]));
+        }
+        // The picture has the directions in front of the lamp.
+        let is_in_front = |row: usize| row == 0 || vertical[row - 1] < 90.0;
+        if !candelas.iter().enumerate().any(|(i, value)| *value != 0.0 && is_in_front(i % rows)) {
+            faults.push("all candelas at less than 90 degrees from the axis are zero".to_owned());
         }
         if !faults.is_empty() {
             return Err(ProfileError(faults));
@@ -139,6 +154,9 @@ impl Profile {
         let phi = match last {
             360.0 => turned,
             180.0 => turned.min(360.0 - turned),
+            // The mirror is the plane of 90 and 270 degrees.
+            270.0 if !(90.0..=270.0).contains(&turned) => (540.0 - turned) % 360.0,
+            270.0 => turned,
             90.0 => (turned % 180.0).min(180.0 - turned % 180.0),
             _ => 0.0,
         };
@@ -221,6 +239,59 @@ mod tests {
     }
 
     #[test]
+    fn the_same_profile_in_other_ways_of_writing() {
+        let text = file("1 -1 1 3 1 1 2 0 0 0", "0 45 90, 0", "100 60 0");
+        let wanted = Profile::parse(text.as_bytes());
+        assert!(wanted.is_ok());
+        for other in [
+            format!("\u{feff}{text}"),
+            text.replace("TILT=NONE", "Tilt=none"),
+            text.replace("TILT=NONE", " tilt = None "),
+            text.replace('\n', "\r"),
+            text.replace('\n', "\r\n"),
+            text.replace("[TEST] none", "[TEST] TILT=INCLUDE"),
+        ] {
+            assert!(is_profile(other.as_bytes()), "{other:?}");
+            assert_eq!(Profile::parse(other.as_bytes()), wanted, "{other:?}");
+        }
+        // The files of 1991 have another factor, which later files reserve.
+        let other = text.replace("\n1 1 100", "\n1 0.5 100");
+        assert_eq!(Profile::parse(other.as_bytes()), wanted);
+        let other = other.replace("IESNA:LM-63-2002", "IESNA91");
+        let half = Profile::parse(other.as_bytes()).expect("a profile");
+        assert_eq!(half.candelas([0.0, 0.0]), 50.0);
+    }
+
+    #[test]
+    fn halves_are_mirrored_in_their_plane() {
+        let text = file("1 -1 1 2 3 1 2 0 0 0", "0 90, 90 180 270", "90 90 180 180 30 30");
+        let profile = Profile::parse(text.as_bytes()).expect("a profile");
+        for (g, wanted) in [
+            ([0.0, 1.0], 90.0),
+            ([-1.0, 0.0], 180.0),
+            ([0.0, -1.0], 30.0),
+            ([1.0, 0.0], 180.0),
+            ([1.0, 1.0], 135.0),
+            ([-1.0, 1.0], 135.0),
+            ([1.0, -1.0], 105.0),
+            ([-1.0, -1.0], 105.0),
+        ] {
+            let found = profile.candelas(g);
+            assert!((found - wanted).abs() < 1e-9, "{g:?}: {found} {wanted}");
+        }
+    }
+
+    #[test]
+    fn a_profile_without_light_in_front_is_refused() {
+        for candelas in ["0 0 0 0", "0 0 0 7"] {
+            let text = file("1 -1 1 4 1 1 2 0 0 0", "0 45 90 180, 0", candelas);
+            let said = Profile::parse(text.as_bytes()).expect_err("no light").to_string();
+            assert!(said.ends_with("all candelas at less than 90 degrees from the axis are zero"), "{said}");
+        }
+        assert!(Profile::parse(file("1 -1 1 4 1 1 2 0 0 0", "0 45 90 180, 0", "0 0 1 0").as_bytes()).is_ok());
+    }
+
+    #[test]
     fn all_faults_of_a_file_are_reported() {
         let said = |text: &str| Profile::parse(text.as_bytes()).expect_err("not a profile").to_string();
         assert!(said("IESNA91\n").ends_with("the line TILT= is missing"));
@@ -232,7 +303,7 @@ mod tests {
         for part in [
             "there are 0.5 horizontal angles; 1 to 3600 are allowed",
             "the photometric type is 3; only 1 (type C) is supported",
-            "the multiplier 0 times the ballast factor 1 must be above zero",
+            "the multiplier 0 times the ballast factor 1 times the ballast-lamp factor 1 must be above zero",
         ] {
             assert!(header.contains(part), "{header}");
         }

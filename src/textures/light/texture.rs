@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{
     LightFileError, LightPicture, LightSize, LightTexels, LightTextureFile, LightTextureFiles, PROFILE_FORMAT,
-    PictureFormat, Profile, ProfileError, TransferFunction, light_texture_files, profile::is_profile,
+    PictureFormat, Primaries, Profile, ProfileError, TransferFunction, light_texture_files, profile::is_profile,
 };
 use crate::{About, TextureContainer, TextureFileError};
 
@@ -32,6 +32,8 @@ pub struct LightTexture {
     pub format: &'static str,
     /// The curve that decoded its numbers.
     pub transfer: String,
+    /// The primaries of its numbers. Texels have those of BT.709.
+    pub primaries: String,
     /// The width and height in pixels. For a profile, the number of angles around the axis and from it.
     pub picture: [usize; 2],
     /// The size of the finest level in texels.
@@ -99,7 +101,7 @@ pub fn light_texture(
     options: &LightTextureOptions,
 ) -> Result<LightTexture, LightTextureError> {
     let LightTextureOptions { light, transfer, container, texels, most_pixels } = *options;
-    let (format, transfer, picture, pyramid, of) = if is_profile(bytes) {
+    let (format, transfer, primaries, picture, pyramid, of) = if is_profile(bytes) {
         let options = [(light.is_some(), "light"), (transfer.is_some(), "transfer")];
         let given: Vec<_> = options.into_iter().filter(|(is_given, _)| *is_given).map(|(_, name)| name).collect();
         if !given.is_empty() {
@@ -112,9 +114,11 @@ pub fn light_texture(
                 "candelas over the cosine by tangents of the angle to the axis, from -{PROFILE_TANGENT} to {PROFILE_TANGENT}"
             ),
         ];
-        (PROFILE_FORMAT, "linear".to_owned(), profile.angles(), LightPyramid::new(&profile.image()), of)
+        let primaries = Primaries::bt709().to_string();
+        (PROFILE_FORMAT, "linear".to_owned(), primaries, profile.angles(), LightPyramid::new(&profile.image()), of)
     } else {
-        let LightPicture { format, curve, image } = LightPicture::decode_within(bytes, transfer, most_pixels)?;
+        let LightPicture { format, curve, primaries, image } =
+            LightPicture::decode_within(bytes, transfer, most_pixels)?;
         let picture = [image.width(), image.height()];
         let size = light.map_or(picture, |light| image.square_size(light.sides()));
         if size[0] as u64 * size[1] as u64 > most_pixels {
@@ -123,13 +127,14 @@ pub fn light_texture(
         let [width, height] = light.map_or(size.map(|side| side as f64), LightSize::sides);
         let of =
             [format!("picture {}", Digest::of(bytes)), format!("texels are square on a light of {width} x {height}")];
-        (format.name(), curve.to_string(), picture, LightPyramid::new(&image.resampled(size)), of)
+        let pyramid = LightPyramid::new(&image.resampled(size));
+        (format.name(), curve.to_string(), primaries.to_string(), picture, pyramid, of)
     };
     let size = [pyramid.levels()[0].width(), pyramid.levels()[0].height()];
     let levels = pyramid.levels().len();
     let about = about(of);
     let LightTextureFiles { files, error, clamped } = light_texture_files(name, &pyramid, container, texels, &about)?;
-    Ok(LightTexture { format, transfer, picture, size, levels, texels, error, clamped, files })
+    Ok(LightTexture { format, transfer, primaries, picture, size, levels, texels, error, clamped, files })
 }
 
 /// The comment in the files: the source, the meaning of the texels, and the blur.

@@ -9,7 +9,10 @@ use ::exr::{
     prelude::{ReadChannels as _, ReadLayers as _, ReadSpecificChannel as _, read},
 };
 
-use super::{Curve, Decoded, LightFileError, PictureFormat, Wanted, from_floats};
+use super::{Curve, Decoded, LightFileError, PictureFormat, Wanted, from_floats, primaries};
+
+/// The largest number of channels of a part. The crate also decompresses channels that are not read.
+const MOST_CHANNELS: usize = 16;
 
 /// Limits for the bytes and attributes in all headers, because the crate uses up to a kilobyte per attribute.
 const MOST_HEADER_BYTES: usize = 1 << 22;
@@ -48,6 +51,12 @@ pub(super) fn decode(bytes: &[u8], wanted: Wanted) -> Result<Decoded, LightFileE
     let meta = MetaData::read_from_buffered(bytes, false).map_err(wrong)?;
     for header in &meta.headers {
         wanted.bounded(header.layer_size.width() as u64, header.layer_size.height() as u64)?;
+        let channels = header.channels.list.len();
+        if channels > MOST_CHANNELS {
+            let reason =
+                format!("a part has {channels} channels; at most {MOST_CHANNELS} are allowed: save R, G and B only");
+            return Err(LightFileError::broken(PictureFormat::Exr, reason));
+        }
     }
     let has = |header: &Header, names: &[&str]| {
         names.iter().all(|name| header.channels.list.iter().any(|channel| channel.name.eq(name)))
@@ -63,9 +72,11 @@ pub(super) fn decode(bytes: &[u8], wanted: Wanted) -> Result<Decoded, LightFileE
         let reason = format!("its channels are {}; R, G and B, or Y, are required", names.join(", "));
         return Err(LightFileError::broken(PictureFormat::Exr, reason));
     };
-    let curve = wanted.curve.unwrap_or(Curve::Linear);
-    from_floats(&mut texels, curve);
-    Ok(Decoded { size, curve, texels })
+    let stated = meta.headers.iter().find_map(|header| header.shared_attributes.chromaticities);
+    let stated = stated.map(|xy| [xy.red, xy.green, xy.blue, xy.white].map(|xy| [xy.x(), xy.y()].map(f64::from)));
+    let curve = wanted.curve(Curve::Linear);
+    from_floats(&mut texels, &curve);
+    Ok(Decoded { size, curve, primaries: primaries(stated)?, texels, orientation: 1 })
 }
 
 /// The size, and texels that are filled one by one.

@@ -1,9 +1,10 @@
 //! Radiance HDR: three bytes of colour and one byte for the exponent [Ward 1991]. EXPOSURE and COLORCORR are ignored.
+//! Without PRIMARIES, primaries are those of BT.709, as most programs write.
 //!
 //! A scanline has run-length encoding per component, or the older encoding of whole pixels. Scanlines run from left to
 //! right and from top to bottom, and other orders are errors. Other header lines are ignored.
 
-use super::{Curve, Decoded, LightFileError, PictureFormat, Wanted, from_floats};
+use super::{Chromaticities, Curve, Decoded, LightFileError, PictureFormat, Wanted, from_floats, primaries};
 
 /// Red, green, blue and the exponent.
 type Pixel = [u8; 4];
@@ -11,21 +12,23 @@ type Pixel = [u8; 4];
 pub(super) fn decode(bytes: &[u8], wanted: Wanted) -> Result<Decoded, LightFileError> {
     let broken = |reason| LightFileError::broken(PictureFormat::Radiance, reason);
     let mut rest = bytes;
-    let [width, height] = header(&mut rest).map_err(broken)?;
+    let ([width, height], stated) = header(&mut rest).map_err(broken)?;
     let size = wanted.bounded(width.into(), height.into())?;
+    let primaries = primaries(stated)?;
     let mut line = vec![[0; 4]; size[0]];
     let mut texels = Vec::with_capacity(size[0] * size[1]);
     for _ in 0..size[1] {
         scanline(&mut rest, &mut line).ok_or_else(|| broken("a scanline ends too soon or too late"))?;
         texels.extend(line.iter().copied().map(radiance));
     }
-    let curve = wanted.curve.unwrap_or(Curve::Linear);
-    from_floats(&mut texels, curve);
-    Ok(Decoded { size, curve, texels })
+    let curve = wanted.curve(Curve::Linear);
+    from_floats(&mut texels, &curve);
+    Ok(Decoded { size, curve, primaries, texels, orientation: 1 })
 }
 
-/// Reads width and height. The bytes after the header remain in `bytes`.
-fn header<'a>(bytes: &mut &'a [u8]) -> Result<[u32; 2], &'static str> {
+/// Reads width and height, and the primaries if they are stated. The bytes after the header remain in `bytes`.
+fn header<'a>(bytes: &mut &'a [u8]) -> Result<([u32; 2], Option<Chromaticities>), &'static str> {
+    let mut stated = None;
     let mut line = || -> Result<&'a [u8], &'static str> {
         let (line, rest) = bytes.split_at(bytes.iter().position(|byte| *byte == b'\n').ok_or("the header has no end")?);
         *bytes = &rest[1..];
@@ -39,11 +42,17 @@ fn header<'a>(bytes: &mut &'a [u8]) -> Result<[u32; 2], &'static str> {
         if line.strip_prefix(b"FORMAT=").is_some_and(|format| format.trim_ascii() != b"32-bit_rle_rgbe") {
             return Err("its FORMAT is not 32-bit_rle_rgbe");
         }
+        if let Some(numbers) = line.strip_prefix(b"PRIMARIES=") {
+            let numbers = str::from_utf8(numbers).ok().map(|text| text.split_ascii_whitespace().map(str::parse));
+            let numbers = numbers.and_then(|numbers| numbers.collect::<Result<Vec<f64>, _>>().ok());
+            let pairs = numbers.and_then(|numbers| numbers.as_chunks::<2>().0.try_into().ok());
+            stated = Some(pairs.ok_or("its PRIMARIES are not the x and y of red, green, blue and white")?);
+        }
     }
     let order = "its size line must be -Y, height, +X, width";
     let words: Vec<&str> = str::from_utf8(line()?).map_err(|_| order)?.split_ascii_whitespace().take(5).collect();
     let ["-Y", height, "+X", width, ..] = words[..] else { return Err(order) };
-    Ok([width.parse().map_err(|_| order)?, height.parse().map_err(|_| order)?])
+    Ok(([width.parse().map_err(|_| order)?, height.parse().map_err(|_| order)?], stated))
 }
 
 /// Fills a scanline of at least one pixel. `None` if the bytes end too early, or a run exceeds the line.
@@ -111,7 +120,7 @@ mod tests {
 
     fn read(size: &str, data: &[u8]) -> Option<Vec<[f32; 3]>> {
         let bytes = [format!("#?RADIANCE\nEXPOSURE=2\n\n{size}\n").as_bytes(), data].concat();
-        Some(decode(&bytes, Wanted { curve: None, most: 100 }).ok()?.texels)
+        Some(decode(&bytes, Wanted { transfer: None, most: 100 }).ok()?.texels)
     }
 
     #[test]
@@ -148,7 +157,7 @@ mod tests {
     #[test]
     fn another_format_is_rejected() {
         let bytes = b"#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n\x01\x02\x03\x04";
-        let error = decode(bytes, Wanted { curve: None, most: 100 }).err().expect("a fault").to_string();
+        let error = decode(bytes, Wanted { transfer: None, most: 100 }).err().expect("a fault").to_string();
         assert!(error.contains("FORMAT is not 32-bit_rle_rgbe"), "{error}");
     }
 }
