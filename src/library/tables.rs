@@ -61,6 +61,8 @@ pub fn write_table(file: &TableFile, folder: impl AsRef<Path>) -> Result<(Digest
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     fn tiny(seed: u64) -> Recipe {

@@ -12,7 +12,8 @@ use rustls::pki_types::CertificateDer;
 pub(super) fn load() -> Result<Vec<CertificateDer<'static>>, String> {
     let file = env::var_os("SSL_CERT_FILE");
     if let Some(file) = &file {
-        open_regular(file).map_err(|error| format!("SSL_CERT_FILE={} cannot be read: {error}", file.display()))?;
+        open_regular(file.as_ref())
+            .map_err(|error| format!("SSL_CERT_FILE={} cannot be read: {error}", file.display()))?;
     }
     let loaded = rustls_native_certs::load_native_certs();
     if loaded.certs.is_empty() {
