@@ -216,7 +216,7 @@ fn fixed(bytes: &[u8], at: usize) -> Option<f64> {
 }
 
 /// The data of a tag: a name, a position and a length are listed after the header.
-fn tag<'a>(icc: &'a [u8], name: &[u8; 4]) -> Option<&'a [u8]> {
+fn tag<'a>(icc: &'a [u8], name: &[u8]) -> Option<&'a [u8]> {
     let count = u32::from_be_bytes(big_endian(icc, 128)?) as usize;
     let entry = icc.get(132..)?.as_chunks::<12>().0.iter().take(count).find(|entry| entry.starts_with(name))?;
     let [at, length] = [4, 8].map(|at| big_endian(entry, at).map_or(0, u32::from_be_bytes) as usize);

@@ -128,7 +128,7 @@ fn the_file_or_the_caller_selects_the_curve() {
 }
 
 /// An ICC profile from this space to XYZ.
-fn icc(space: &[u8; 4], tags: &[(&[u8; 4], Vec<u8>)]) -> Vec<u8> {
+fn icc(space: &[u8], tags: &[(&[u8; 4], Vec<u8>)]) -> Vec<u8> {
     let mut bytes = vec![0; 128];
     bytes[16..20].copy_from_slice(space);
     bytes[20..24].copy_from_slice(b"XYZ ");
@@ -138,14 +138,16 @@ fn icc(space: &[u8; 4], tags: &[(&[u8; 4], Vec<u8>)]) -> Vec<u8> {
         bytes.extend([&name[..], &(at as u32).to_be_bytes(), &(data.len() as u32).to_be_bytes()].concat());
         at += data.len();
     }
-    tags.iter().for_each(|(_, data)| bytes.extend(data));
+    for (_, data) in tags {
+        bytes.extend(data);
+    }
     bytes
 }
 
 /// A tag's data: its kind, four zeros, these bytes, and numbers with 16 bits after the point.
-fn tag(kind: &[u8; 4], bytes: &[u8], numbers: &[f64]) -> Vec<u8> {
+fn tag(kind: &[u8], bytes: &[u8], numbers: &[f64]) -> Vec<u8> {
     let numbers = numbers.iter().flat_map(|x| ((x * 65_536.0).round() as i32).to_be_bytes());
-    [&kind[..], &[0; 4], bytes].concat().into_iter().chain(numbers).collect()
+    [kind, &[0; 4], bytes].concat().into_iter().chain(numbers).collect()
 }
 
 /// The sRGB curve as a formula.
@@ -390,13 +392,13 @@ fn jpegs_with_too_few_pixels_are_refused() {
     for (way, whole) in jpegs.iter().enumerate() {
         let found = LightPicture::decode(whole, None);
         // The encoder stores optimized colours in separate scans.
-        if way & 3 == 2 {
+        if way & 0b11 == 0b10 {
             let said = found.expect_err("separate scans").to_string();
             assert!(said.contains("save it with one scan, or progressive"), "{said}");
             continue;
         }
         let picture = found.unwrap_or_else(|error| panic!("{way}: {error}"));
-        assert!(picture == decoded(&jpegs[way & !11]), "{way}");
+        assert!(picture == decoded(&jpegs[way & !0b1011]), "{way}");
         // Other images and metadata may follow the first image.
         assert!(decoded(&[&whole[..], whole, b"more"].concat()) == picture, "{way}");
         for tenths in 1..10 {
