@@ -49,7 +49,7 @@ export function withoutAreaLights<M extends Material>( material: M ): M;
 /** Loads a table from `ltcforge export --for wgpu`. The address of the folder ends with a slash. */
 export function loadTable( address: string | URL, loader: KTX2Loader ): Promise<AreaLightTable>;
 
-/** What {@link setAlphas} sets of a standard or physical material, or of a node material. */
+/** The fields that {@link setAlphas} sets in a standard or physical material, or in a node material. */
 export interface GgxMaterial {
 	readonly type: string;
 	roughness: number;

@@ -63,9 +63,10 @@ fn explained(error: clap::Error) -> clap::Error {
     let source = error::Error::source(&error).map(ToString::to_string).unwrap_or_default();
     let advice = match (error.kind(), &*source) {
         (ErrorKind::UnknownArgument, _) if argument == "--preset" => "name the preset alone: ltcforge fit paper",
-        (_, text) if text.contains("digit") || text.contains("integer") || text.contains("number too") => {
+        (_, "invalid digit found in string" | "cannot parse integer from empty string") => {
             "use a whole number without a unit, such as 20000"
         }
+        (_, "number too large to fit in target type") => "use a smaller number, such as 20000",
         (_, "invalid float literal" | "cannot parse float from empty string") => "use a number, such as 0.04",
         (_, "invalid socket address syntax") => "use an address and a port, such as 127.0.0.1:8317",
         _ => return error,
@@ -281,9 +282,15 @@ mod tests {
             let said = |(of, message): &(String, String)| of == flag && message.contains(advice);
             assert!(found.iter().any(said), "--{flag}: {advice}");
         }
-        let words = ["ltcforge", "fit", "--preset", "paper"].map(OsString::from);
-        let error = Cli::from_args(words.into_iter()).expect_err("no flag").to_string();
-        assert!(error.contains("ltcforge fit paper"), "{error}");
+        for (line, said) in [
+            ("ltcforge fit --preset paper", "ltcforge fit paper"),
+            // Our own messages stay.
+            ("ltcforge jobs show zz", "a job id is 32 hex digits"),
+            ("ltcforge verify --digest zz file", "digest"),
+        ] {
+            let error = Cli::from_args(line.split(' ').map(OsString::from)).expect_err(line).to_string();
+            assert!(error.contains(said) && !error.contains("whole number"), "{line}: {error}");
+        }
     }
 
     #[test]

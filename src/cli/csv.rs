@@ -1,7 +1,6 @@
 //! Reads CSV lines from a file or standard input, and prints a row for each.
 
 use std::{
-    fs::File,
     io::{self, BufRead, BufReader, BufWriter, Write},
     path::Path,
 };
@@ -9,7 +8,7 @@ use std::{
 use serde_json::{Value, json};
 
 use super::{Clamped, CommandFailure, Context, Exit, file_failure, out_of_range::OutOfRangeCount, shown, usage};
-use ltcforge_files::bounded::read_line;
+use ltcforge_files::bounded::{open_named, read_line};
 
 /// Maximum length of a line. Four numbers take about 100 bytes, a light with eight vertices about 700.
 const LINE_LIMIT_BYTES: u64 = 4096;
@@ -32,12 +31,11 @@ impl CsvLines {
         if path.as_os_str() == "-" {
             return Ok(Self { name: "standard input".to_owned(), stream: Box::new(io::stdin().lock()) });
         }
-        let refuse = |error: io::Error| file_failure(path, &error);
-        let file = File::open(path).map_err(refuse)?;
-        if file.metadata().map_err(refuse)?.is_dir() {
+        if path.is_dir() {
             let message = format!("{}: this is a folder, not a CSV file of {what}", path.display());
             return Err(usage(message));
         }
+        let file = open_named(path).map_err(|error| file_failure(path, &error))?;
         Ok(Self { name: shown(path), stream: Box::new(BufReader::new(file)) })
     }
 

@@ -52,7 +52,7 @@ pub struct ExportChoice {
     /// File format; `compact` formats take a few kilobytes
     #[arg(long, value_name = "NAME", value_parser = containers(), requires = "out", conflicts_with = "engine")]
     pub container: Option<String>,
-    /// Number format: half or float, for --layout or --for wgpu [default: float]
+    /// Number format with --layout, or half with --for wgpu [default: float]
     #[arg(long, value_parser = precisions())]
     pub precision: Option<Precision>,
 }
@@ -67,8 +67,9 @@ impl ExportChoice {
             (None, Some(_)) if self.layout.is_none() => return Err(usage("--precision needs --layout or --for wgpu")),
             (None, _) | (_, None) => return Ok(self.clone()),
             (Some(Engine::Wgpu), Some(Precision::F16)) => Engine::WgpuHalf,
-            (Some(Engine::Wgpu), _) => Engine::Wgpu,
-            (Some(other), _) => return Err(usage(format!("--for {other} needs no --precision: leave it out"))),
+            (Some(other), _) => {
+                return Err(usage(format!("--for {other} has its own precision: leave out --precision")));
+            }
         };
         Ok(Self { engine: Some(engine), precision: None, ..self.clone() })
     }

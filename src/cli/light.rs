@@ -80,7 +80,7 @@ pub(super) fn run(args: &LightArgs, context: &mut Context<'_>) -> Result<Exit, C
         },
     )?;
     if let Some(first) = unknown.first() {
-        eprintln!("unknown results: {} (empty cells, or null in JSON); the first: {first}", unknown.len());
+        eprintln!("unknown results (empty in CSV, null in JSON): {}, the first because {first}", unknown.len());
     }
     rows.end()
 }

@@ -181,7 +181,7 @@ impl Pulling<'_, '_> {
             Ok(()) => Ok(true),
             Err(PullError::Sources(SourcesError::NoneHasIt(_))) if self.args.fit || !is_table => Ok(false),
             Err(PullError::Sources(error @ SourcesError::NoneHasIt(_))) if pin.recipe.is_some() => {
-                let message = format!("{error}; --from names another source, and --fit fits the table from its recipe");
+                let message = format!("{error}; add --from SOURCE, or --fit to fit the table from its recipe");
                 Err(CommandFailure { message, ..error.into() })
             }
             Err(error) => Err(error.into()),

@@ -30,7 +30,7 @@ pub fn open_regular(path: &Path) -> io::Result<File> {
 /// # Errors
 /// Like [`open_regular`].
 pub fn open_named(path: &Path) -> io::Result<File> {
-    // A pipe without a name in a folder has no canonical path.
+    // An anonymous pipe has no canonical path.
     let is_pipe = path.exists() && path.canonicalize().is_err();
     if is_pipe { File::open(path) } else { open_regular(path) }
 }
@@ -96,8 +96,8 @@ const MOST_JPEG_SEGMENTS: usize = 512;
 /// The number of bytes of ones that [`complete_jpeg`] adds. Decoders read up to 8 bytes ahead.
 const ONES: usize = 32;
 
-/// Checks a JPEG for a strict decoder, and adds ones after its pixels. A decoder continues pixels that end too early
-/// with zeros, which are codes as well. No code has only ones [ITU T.81, section C.2], so the decoder finds them invalid.
+/// Checks a JPEG for a strict decoder, and adds ones after its pixels. If the data ends early,
+/// decoders read zeros, which are valid codes. No code has only ones [ITU T.81, section C.2], so decoding then fails.
 ///
 /// # Errors
 /// The JPEG is cut off, has more metadata segments than a decoder should keep, or has separate scans for colours without

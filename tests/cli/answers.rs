@@ -102,12 +102,13 @@ fn files_that_block_or_never_end_are_rejected() {
     fs::write(here.join("recipe.json"), r#"{"brdf": "tabulated", "tabulated": "odd.json"}"#).expect("a recipe");
     symlink("../odd.json", here.join("export/ltcforge.json")).expect("a link");
     symlink("odd.json", here.join("odd.gltf")).expect("a link");
-    let commands: [(&[&str], i32); 11] = [
+    let commands: [(&[&str], i32); 12] = [
         (&["verify", "odd.json"], 1),
         (&["verify", "export"], 1),
         (&["report", "odd.json"], 1),
         (&["fit", "./odd.json"], 1),
         (&["fit", "./recipe.json"], 2),
+        (&["light", "odd.json"], 1),
         (&["plan", "odd.json", "-o", "out"], 1),
         (&["plan", "odd.gltf", "-o", "out"], 1),
         (&["light-texture", "odd.json", "-o", "out"], 1),

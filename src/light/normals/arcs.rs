@@ -44,7 +44,7 @@ pub const BULGE: [f64; 2] = [3.4, 0.6];
 const NEAR2: f64 = 1e-8;
 
 /// Keeps the control point finite for an edge through the shaded point, where `w_a + w_c` is zero. In f32 the rounding
-/// of this sum has about the same effect: for an edge at 1e-6 of its length, the mean error of the visible part is .001
+/// of this sum has about the same effect: for an edge whose distance is 1e-6 of its length, the mean error of the visible part is .001
 /// in f64 and .005 in f32.
 const STRAIGHT_EDGE: f64 = 1e-12;
 

@@ -103,7 +103,7 @@ const BRADFORD: DMat3 = DMat3::from_cols_array(&[
     -0.1614, 0.0367, 1.0296, // Z
 ]);
 
-/// Differences that count as none: of a matrix from the unit matrix, and of a curve from sRGB or a line. Profiles for
+/// Smaller differences are ignored: of a matrix from the unit matrix, and of a curve from sRGB or a line. Profiles for
 /// sRGB differ by 3e-4 from the standard; a power of 2.2 differs by 9e-3.
 const SAME: f64 = 2e-3;
 
@@ -129,7 +129,7 @@ impl Primaries {
         let name = known.map_or_else(|| format!("with xy {xy:.4?}"), |(_, name, _)| (*name).to_owned());
         match xyz_of(xy) {
             Some((xyz, white)) => Self::of_matrix(name, xyz, white),
-            None => Err(format!("primaries {name} do not surround a white")),
+            None => Err(format!("primaries {name} do not enclose the white point")),
         }
     }
 
@@ -154,7 +154,7 @@ impl Primaries {
         Ok(if is_same { Self::bt709() } else { Self { name, to_bt709: Some(to_bt709) } })
     }
 
-    /// Converts linear texels to BT.709. Colours that it cannot show lose their negative parts. Invalid texels stay.
+    /// Converts linear texels to BT.709. Negative components of colours outside BT.709 become 0. Invalid texels stay.
     pub(super) fn convert(&self, texels: &mut [[f32; 3]]) {
         let Some(to_bt709) = self.to_bt709 else { return };
         for texel in texels.iter_mut().filter(|texel| texel.iter().all(|x| x.is_finite() && *x >= 0.0)) {
@@ -194,7 +194,8 @@ pub(super) fn profile(icc: &[u8]) -> Result<(Curve, Primaries), String> {
         let [space, connection] = [space, connection].map(<[u8]>::escape_ascii);
         let command = "magick IN -profile sRGB.icc OUT";
         format!(
-            "its ICC profile, from «{space}» to «{connection}», is no matrix with curves; convert it first: {command}"
+            "the ICC profile is not supported («{space}» to «{connection}»; only a matrix with curves is); convert the \
+             image to sRGB: {command}"
         )
     })?;
     let is_near = |other: &Curve| {
@@ -223,7 +224,7 @@ fn tag<'a>(icc: &'a [u8], name: &[u8]) -> Option<&'a [u8]> {
     icc.get(at..at.checked_add(length)?)
 }
 
-/// A curve at 65,536 numbers from 0 to 1. Its tag has samples, a power, or the parameters of formula 0, 3 or 4
+/// A curve at 65,536 numbers from 0 to 1. Its tag has samples, a power, or the parameters of a formula
 /// [ICC.1:2022, sections 10.6 and 10.18].
 fn samples(tag: &[u8]) -> Option<Vec<f32>> {
     let sampled = |curve: &dyn Fn(f64) -> f64| {
@@ -245,14 +246,17 @@ fn samples(tag: &[u8]) -> Option<Vec<f32>> {
         };
     }
     let count = match tag.get(..10)? {
-        [b'p', b'a', b'r', b'a', .., 0, kind] => {
-            *[1, 0, 0, 5, 7].get(usize::from(*kind)).filter(|count| **count > 0)?
-        }
+        [b'p', b'a', b'r', b'a', .., 0, kind] => *[1, 3, 4, 5, 7].get(usize::from(*kind))?,
         _ => return None,
     };
     let mut numbers = [0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
     for (i, number) in numbers[..count].iter_mut().enumerate() {
         *number = fixed(tag, 12 + 4 * i)?;
+    }
+    if matches!(count, 3 | 4) {
+        // Formulas 1 and 2 have a limit of -b / a, and the same constant on both sides.
+        let [_, a, b, constant, ..] = numbers;
+        numbers = [numbers[0], a, b, 0.0, -b / a, constant, constant];
     }
     let [power, a, b, c, d, e, f] = numbers;
     sampled(&|x| if x >= d { pow((a * x + b).max(0.0), power) + e } else { c * x + f })

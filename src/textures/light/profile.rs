@@ -108,13 +108,18 @@ impl Profile {
         }
         let (vertical, rest) = numbers[HEADER..].split_at(rows);
         let (horizontal, candelas) = rest.split_at(columns);
-        for (name, angles, allowed) in [
-            ("vertical", vertical, [[0.0, 90.0], [0.0, 180.0]].as_slice()),
-            ("horizontal", horizontal, &[[0.0, 0.0], [0.0, 90.0], [0.0, 180.0], [0.0, 360.0], [90.0, 270.0]]),
+        for (name, angles, allowed, words) in [
+            ("vertical", vertical, [[0.0, 90.0], [0.0, 180.0]].as_slice(), "0 to 90, 0 to 180"),
+            (
+                "horizontal",
+                horizontal,
+                &[[0.0, 0.0], [0.0, 90.0], [0.0, 180.0], [0.0, 360.0], [90.0, 270.0]],
+                "0 to 0, 0 to 90, 0 to 180, 0 to 360, 90 to 270",
+            ),
         ] {
             let ends = [angles[0], angles[angles.len() - 1]];
             if !allowed.contains(&ends) {
-                faults.push(format!("{name} angles run from {} to {}; allowed: {allowed:?}", ends[0], ends[1]));
+                faults.push(format!("{name} angles run from {} to {}; allowed: {words}", ends[0], ends[1]));
             }
             if !angles.is_sorted_by(|a, b| a < b) {
                 faults.push(format!("{name} angles must ascend"));

@@ -243,7 +243,7 @@ fn stated_primaries_become_bt709() {
     assert!(found[0] > 1.21 && found[1] == 0.0 && found[2] == 0.0, "{found:?}");
     // The chunk sRGB has priority over cHRM, and cICP over iCCP.
     let mut info = with(b"cHRM", &[0; 32]);
-    assert!(LightPicture::decode(&info, None).expect_err("black primaries").to_string().contains("do not surround"));
+    assert!(LightPicture::decode(&info, None).expect_err("black primaries").to_string().contains("do not enclose"));
     let at = 33;
     info.splice(at..at, *b"\0\0\0\x01sRGB\0\xae\xce\x1c\xe9");
     assert_eq!(decoded(&info).primaries.to_string(), "BT.709");
@@ -404,7 +404,7 @@ fn jpegs_with_too_few_pixels_are_refused() {
         for tenths in 1..10 {
             let cut = &whole[..whole.len() * tenths / 10];
             assert!(LightPicture::decode(cut, None).is_err(), "{way}: {tenths} tenths");
-            // The end marker alone makes no picture of it. The last scans of an even progressive JPEG add nothing.
+            // Adding an end marker does not make the file valid. The last scans of an even progressive JPEG add nothing.
             let closed = LightPicture::decode(&[cut, &[0xff, 0xd9]].concat(), None);
             assert!(closed.is_err() || closed == Ok(picture.clone()), "{way}: {tenths} tenths with an end");
         }

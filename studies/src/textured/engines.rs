@@ -53,8 +53,8 @@ impl Engine {
             // Babylon.js computes the part above the horizon from a sphere with the same form factor. The other engines
             // clip.
             Self::Babylon => {
-                let energy = EngineWay::Clipless.reflected(Some(table), &at, light.polygon()).expect("a surface");
-                self.read(table, &at, light, pyramid, energy)
+                let clipless = EngineWay::Clipless.reflected(Some(table), &at, light.polygon()).expect("a surface");
+                self.read(table, &at, light, pyramid, clipless.energy)
             }
             Self::Godot | Self::Hdrp => self.by_table(table, &at, light, pyramid),
         }

@@ -22,10 +22,12 @@ pub(super) fn decode(bytes: &[u8], wanted: Wanted) -> Result<Decoded, LightFileE
     let size = wanted.bounded(header.width.into(), header.height.into())?;
     let mut reader = decoder.read_info().map_err(wrong)?;
     let (curve, primaries) = stated(reader.info(), wanted)?;
-    let orientation = orientation(reader.info().exif_metadata.as_deref());
     let too_long = || LightFileError::broken(PictureFormat::Png, "its size overflows");
     let mut pixels = vec![0; reader.output_buffer_size().ok_or_else(too_long)?];
     let frame = reader.next_frame(&mut pixels).map_err(wrong)?;
+    // The chunk eXIf may follow the pixels.
+    reader.finish().map_err(wrong)?;
+    let orientation = orientation(reader.info().exif_metadata.as_deref());
     let pixels = &pixels[..frame.buffer_size()];
     let channels = frame.color_type.samples();
     let texels = match frame.bit_depth {
@@ -56,6 +58,11 @@ fn texels<T: Copy + Into<usize>>(numbers: &[T], channels: usize, linear: &[Vec<f
 /// with cHRM [PNG, third edition, section 4.3].
 fn stated(info: &Info<'_>, wanted: Wanted) -> Result<(Curve, Primaries), LightFileError> {
     if let Some(points) = &info.coding_independent_code_points {
+        if !points.is_video_full_range_image {
+            return Err(LightFileError::Colours(
+                "its cICP chunk states narrow range; only full range is read".to_owned(),
+            ));
+        }
         let curve = match (wanted.transfer, points.transfer_function) {
             (Some(transfer), _) => transfer.into(),
             (None, 4) => Curve::Power(2.2),

@@ -45,7 +45,8 @@ fn header<'a>(bytes: &mut &'a [u8]) -> Result<([u32; 2], Option<Chromaticities>)
         if let Some(numbers) = line.strip_prefix(b"PRIMARIES=") {
             let numbers = str::from_utf8(numbers).ok().map(|text| text.split_ascii_whitespace().map(str::parse));
             let numbers = numbers.and_then(|numbers| numbers.collect::<Result<Vec<f64>, _>>().ok());
-            let pairs = numbers.and_then(|numbers| numbers.as_chunks::<2>().0.try_into().ok());
+            let numbers: Option<[f64; 8]> = numbers.and_then(|numbers| numbers.try_into().ok());
+            let pairs = numbers.map(|n| [[n[0], n[1]], [n[2], n[3]], [n[4], n[5]], [n[6], n[7]]]);
             stated = Some(pairs.ok_or("its PRIMARIES are not the x and y of red, green, blue and white")?);
         }
     }
