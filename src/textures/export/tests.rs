@@ -191,7 +191,8 @@ fn an_export_for_our_shader_has_its_uniform_and_steps() {
         let header: Export = format!("{layout}.c.f16").parse().expect("an export");
         let header = header.bundle(table, About::default()).expect("a header").files.remove(0);
         let text = String::from_utf8(header.bytes).expect("text");
-        let (_, rows) = text.split_once("[36] = {").expect("the uniform");
+        let (_, rows) =
+            text.split_once("uint32_t ltc_table").and_then(|(_, rest)| rest.split_once('{')).expect("words");
         let rows = rows.split_once('}').expect("its end").0.split(',').map(str::trim).filter(|word| !word.is_empty());
         let found = rows.map(|word| u32::from_str_radix(word.trim_start_matches("0x"), 16).expect("hexadecimal"));
         assert_eq!(found.collect::<Vec<u32>>(), words, "{layout}");

@@ -291,6 +291,10 @@ fn profiles_are_read_exactly_or_refused() {
     for (curve, wanted) in [
         (tag(b"curv", &[0, 0, 0, 1, 2, 0x80], &[]), x.powf(2.5)),
         (tag(b"para", &[0; 4], &[3.0]), x.powi(3)),
+        (tag(b"para", &[0, 1, 0, 0], &[2.0, 2.0, -0.5]), (2.0 * x - 0.5).powi(2)),
+        (tag(b"para", &[0, 1, 0, 0], &[2.0, 1.0, -0.5]), 0.0),
+        (tag(b"para", &[0, 2, 0, 0], &[2.0, 2.0, -0.5, 0.125]), (2.0 * x - 0.5).powi(2) + 0.125),
+        (tag(b"para", &[0, 2, 0, 0], &[2.0, 1.0, -0.5, 0.125]), 0.125),
         (tag(b"para", &[0, 3, 0, 0], &[2.0, 1.0, 0.0, 0.5, 0.75]), 0.5 * x),
         (tag(b"para", &[0, 4, 0, 0], &[2.0, 1.0, 0.0, 0.5, 0.25, 0.125, 0.0]), x * x + 0.125),
         (tag(b"para", &[0, 4, 0, 0], &[2.0, 1.0, 0.0, 0.5, 0.75, 0.125, 0.25]), 0.5 * x + 0.25),
@@ -306,11 +310,11 @@ fn profiles_are_read_exactly_or_refused() {
         jpeg.to_string()
     };
     let cmyk = said(&icc(b"CMYK", &[]));
-    assert!(cmyk.contains("from «CMYK» to «XYZ »") && cmyk.contains("-profile sRGB.icc"), "{cmyk}");
+    assert!(cmyk.contains("«CMYK» to «XYZ »") && cmyk.contains("-profile sRGB.icc"), "{cmyk}");
     let tables = [(b"A2B0", vec![0; 32]), (b"kTRC", srgb_formula())];
-    let profiles = [icc(b"GRAY", &tables), rgb_icc(&tag(b"para", &[0, 1, 0, 0], &[2.0, 2.0, -0.5]), SRGB)];
+    let profiles = [icc(b"GRAY", &tables), rgb_icc(&tag(b"para", &[0, 5, 0, 0], &[2.0, 2.0, -0.5]), SRGB)];
     for profile in [b"RGB ", b"GRAY"].map(|space| icc(space, &[])).into_iter().chain(profiles) {
-        assert!(said(&profile).contains("is no matrix with curves"));
+        assert!(said(&profile).contains("only a matrix with curves is"));
     }
 }
 
