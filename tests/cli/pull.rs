@@ -204,7 +204,7 @@ fn a_table_without_a_source_is_fitted_again_and_checked_against_its_digest() {
     let before = files_of(&project);
     fs::remove_dir_all(project.join("assets")).expect("a folder");
     let without = run(&project, ["pull", "--offline"]).exited(4);
-    assert!(without.stderr.contains("--fit fits the table from its recipe"), "{without:#?}");
+    assert!(without.stderr.contains("--fit to fit the table from its recipe"), "{without:#?}");
     let fitted = run(&project, ["pull", "--offline", "--fit"]).exited(0);
     assert!(fitted.stdout.starts_with("metal fitted: assets/metal.safetensors\nmetal made: "), "{}", fitted.stdout);
     assert_eq!(files_of(&project), before);

@@ -63,7 +63,7 @@ fn a_missing_server_differs_from_a_rejected_request() {
 }
 
 #[test]
-fn a_proxy_is_only_used_for_other_machines() {
+fn a_proxy_is_only_used_for_https_to_other_machines() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     let proxy = TcpListener::bind("127.0.0.1:0").expect("a free port");
@@ -78,7 +78,8 @@ fn a_proxy_is_only_used_for_other_machines() {
     });
     list(&server.url).exited(0);
     list("http://tables.invalid").exited(4);
-    assert!(asked.join().expect("a request").contains("tables.invalid"));
+    list("https://tables.invalid").exited(4);
+    assert!(asked.join().expect("a request").starts_with("CONNECT tables.invalid:443 "));
 }
 
 #[test]

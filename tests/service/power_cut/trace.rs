@@ -14,6 +14,9 @@ pub(super) const CALLS: &str = "open,openat,creat,close,dup,dup2,dup3,write,writ
 /// A file or a folder.
 pub(super) type Inode = usize;
 
+/// The folder of relative paths in calls without an open folder.
+const CWD: &str = "AT_FDCWD";
+
 /// The traced folder.
 pub(super) const ROOT: Inode = 0;
 
@@ -151,18 +154,18 @@ impl Recorder<'_> {
                 }
             }
             "mkdir" => {
-                if let Some((path, folder, name)) = self.place(arguments[0]) {
+                if let Some((path, folder, name)) = self.place(CWD, arguments[0]) {
                     let to = self.new_inode(path, true);
                     self.add(call, Change::Link { folder, name, to });
                 }
             }
-            "rename" => self.rename(call, arguments[0], arguments[1]),
-            "renameat" | "renameat2" => self.rename(call, arguments[1], arguments[3]),
-            "unlink" | "rmdir" => self.unlink(call, arguments[0]),
-            "unlinkat" => self.unlink(call, arguments[1]),
+            "rename" => self.rename(call, [CWD, arguments[0]], [CWD, arguments[1]]),
+            "renameat" | "renameat2" => self.rename(call, [arguments[0], arguments[1]], [arguments[2], arguments[3]]),
+            "unlink" | "rmdir" => self.unlink(call, CWD, arguments[0]),
+            "unlinkat" => self.unlink(call, arguments[0], arguments[1]),
             _ => {
                 let is_ours = |argument: &&str| {
-                    self.place(argument).is_some()
+                    self.place(CWD, argument).is_some()
                         || argument.parse().is_ok_and(|number: i64| self.descriptors.contains_key(&number))
                 };
                 assert!(
@@ -178,10 +181,21 @@ impl Recorder<'_> {
     }
 
     /// If the path in an argument is below the root: the path, the inode of its folder, and its name.
-    fn place(&self, argument: &str) -> Option<(PathBuf, Inode, String)> {
-        let path = PathBuf::from(String::from_utf8(bytes_of_path(argument)?).ok()?);
+    fn place(&self, open: &str, argument: &str) -> Option<(PathBuf, Inode, String)> {
+        let path = self.path(open, argument)?;
         let (folder, name) = (self.names.get(path.parent()?)?, path.file_name()?.to_str()?.to_owned());
         path.starts_with(self.root).then_some((path.clone(), *folder, name))
+    }
+
+    /// The path of a call's argument. A relative path is in the open folder `open`.
+    fn path(&self, open: &str, argument: &str) -> Option<PathBuf> {
+        let path = PathBuf::from(String::from_utf8(bytes_of_path(argument)?).ok()?);
+        if path.is_absolute() {
+            return Some(path);
+        }
+        let folder = self.descriptors.get(&open.parse().ok()?)?.inode;
+        let (folder, _) = self.names.iter().find(|(_, inode)| **inode == folder)?;
+        Some(folder.join(path))
     }
 
     fn new_inode(&mut self, path: PathBuf, is_folder: bool) -> Inode {
@@ -192,11 +206,10 @@ impl Recorder<'_> {
     }
 
     fn open(&mut self, call: &Call<'_>) {
-        let (path, flags) = (call.arguments[1], call.arguments[2]);
+        let (open, path, flags) = (call.arguments[0], call.arguments[1], call.arguments[2]);
         self.descriptors.remove(&call.returned);
-        let path_itself = bytes_of_path(path).and_then(|bytes| String::from_utf8(bytes).ok()).map(PathBuf::from);
-        let known = path_itself.and_then(|path| self.names.get(&path).copied());
-        let inode = match (known, self.place(path)) {
+        let known = self.path(open, path).and_then(|path| self.names.get(&path).copied());
+        let inode = match (known, self.place(open, path)) {
             (Some(inode), _) => inode,
             (None, Some((path, folder, name))) if flags.contains("O_CREAT") => {
                 let to = self.new_inode(path, false);
@@ -235,8 +248,9 @@ impl Recorder<'_> {
         self.add(call, Change::Write { file, at, bytes });
     }
 
-    fn rename(&mut self, call: &Call<'_>, from: &str, to: &str) {
-        let (Some((from_path, from_folder, from)), Some((path, folder, name))) = (self.place(from), self.place(to))
+    fn rename(&mut self, call: &Call<'_>, from: [&str; 2], to: [&str; 2]) {
+        let (Some((from_path, from_folder, from)), Some((path, folder, name))) =
+            (self.place(from[0], from[1]), self.place(to[0], to[1]))
         else {
             return;
         };
@@ -246,8 +260,8 @@ impl Recorder<'_> {
         self.add(call, Change::Rename { folder, from, name, to: inode });
     }
 
-    fn unlink(&mut self, call: &Call<'_>, path: &str) {
-        if let Some((path, folder, name)) = self.place(path) {
+    fn unlink(&mut self, call: &Call<'_>, open: &str, path: &str) {
+        if let Some((path, folder, name)) = self.place(open, path) {
             self.names.remove(&path);
             self.add(call, Change::Unlink { folder, name });
         }
