@@ -66,7 +66,7 @@ impl OutputFile {
     /// # Errors
     /// See [`Self::check`]; and when the name ends like that of another format.
     pub(super) fn check_png(path: &Path) -> Result<Self, CommandFailure> {
-        match path.extension().map(|ending| ending.to_ascii_lowercase()) {
+        match path.extension().map(std::ffi::OsStr::to_ascii_lowercase) {
             Some(ending) if ending != "png" => {
                 Err(usage(format!("{}: pictures are PNG files; end the name in .png", path.display())))
             }

@@ -37,13 +37,15 @@ pub(super) fn text(stem: &str, textures: &[Stored<'_>], about: &About) -> String
         let _ = writeln!(short, "#define {name} {name}{suffix}");
     }
     if let Some(words) = about.uniform() {
-        let words: Vec<String> =
-            words.chunks(4).map(|row| row.iter().map(|word| format!("{word:#x},")).collect()).collect();
+        let words: Vec<String> = words
+            .chunks(4)
+            .map(|row| row.iter().map(|word| format!("{word:#x}")).collect::<Vec<_>>().join(","))
+            .collect();
         let _ = write!(
             text,
             "\n// Binding 0 of the shader: two vectors of uint, seven of float, as bits. Copy all 144 bytes into the uniform buffer.\n\
-             static const uint32_t ltc_table{suffix}[36] = {{\n{}\n}};\n",
-            words.join("\n")
+             static const uint32_t ltc_table{suffix}[36] = {{\n{},\n}};\n",
+            words.join(",\n")
         );
         let _ = writeln!(short, "#define ltc_table ltc_table{suffix}");
     }
