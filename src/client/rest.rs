@@ -1,6 +1,7 @@
 //! Blocking calls of the HTTP interface.
 
 use std::{
+    env,
     io::Write,
     thread::sleep,
     time::{Duration, Instant},
@@ -22,7 +23,7 @@ use super::{
     error::printable,
 };
 use ltcforge_files::{
-    bounded::read_stream,
+    bounded::{open_regular, read_stream},
     job::{JobId, StateName},
 };
 
@@ -68,6 +69,16 @@ fn proxy_of(server: &Uri) -> Option<Proxy> {
     Proxy::try_from_env().filter(is_http).filter(|_| !is_direct(server))
 }
 
+/// Checks the file of certificates that TLS will read. A FIFO would block the command.
+fn check_certificates(server: &Uri) -> Result<(), ClientError> {
+    let file = env::var_os("SSL_CERT_FILE").filter(|_| server.scheme_str() == Some("https"));
+    let opened = file.as_ref().map_or(Ok(()), |file| open_regular(file.as_ref()).map(drop));
+    opened.map_err(|error| ClientError::Unreadable {
+        place: format!("SSL_CERT_FILE={}", file.unwrap_or_default().display()),
+        reason: error.to_string(),
+    })
+}
+
 /// The HTTP agent for a server.
 fn agent(proxy: Option<Proxy>, stall: Duration) -> Agent {
     // The platform's verifier also knows private certificate authorities.
@@ -106,6 +117,7 @@ impl Client {
     ) -> Result<Self, ClientError> {
         let base = base.trim_end_matches('/').to_owned();
         let uri = parse_base(&base)?;
+        check_certificates(&uri)?;
         let authorization = tokens.of(&uri).map(|token| format!("Bearer {token}"));
         let proxy = proxy_of(&uri);
         let named = proxy.as_ref().filter(|proxy| !proxy.is_no_proxy(&uri));

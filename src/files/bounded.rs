@@ -6,7 +6,7 @@ use std::{
     path::Path,
 };
 
-/// The empty device. It stands for an empty file.
+/// The null device, which reads as an empty file.
 const EMPTY: &str = "/dev/null";
 
 /// Opens a regular file. FIFOs and devices are rejected: they may block or be endless.
@@ -96,12 +96,12 @@ const MOST_JPEG_SEGMENTS: usize = 512;
 /// The number of bytes of ones that [`complete_jpeg`] adds. Decoders read up to 8 bytes ahead.
 const ONES: usize = 32;
 
-/// Checks a JPEG for a strict decoder, and adds ones after its pixels. If the data ends early,
-/// decoders read zeros, which are valid codes. No code has only ones [ITU T.81, section C.2], so decoding then fails.
+/// Checks a JPEG for a strict decoder, and adds ones after its pixels. If the data ends early, decoders read zeros, which
+/// are valid codes. No code has only ones [ITU T.81, section C.2], so decoding then fails.
 ///
 /// # Errors
-/// The JPEG is cut off, has more metadata segments than a decoder should keep, or has separate scans for colours without
-/// being progressive. zune-jpeg 0.5 leaves out rows of such scans.
+/// The JPEG is cut off, has more metadata segments than a decoder should keep, or is a baseline JPEG with a scan for each
+/// colour, of which zune-jpeg 0.5 decodes only some rows.
 pub fn complete_jpeg(bytes: &[u8]) -> Result<Vec<u8>, String> {
     let is_kept = |pair: &&[u8]| matches!(pair, [0xff, 0xe1 | 0xe2]);
     if bytes.windows(2).filter(is_kept).nth(MOST_JPEG_SEGMENTS).is_some() {

@@ -10,7 +10,7 @@ use std::{
     sync::Arc,
 };
 
-use tempfile::{NamedTempFile, TempPath};
+use tempfile::NamedTempFile;
 
 /// The prefix of temporary files. A killed process leaves its temporary files; they may be deleted.
 pub const TEMPORARY_PREFIX: &str = ".ltcforge.";
@@ -84,18 +84,20 @@ const MOST_OPEN: usize = 256;
 /// A temporary file, deleted when dropped.
 #[derive(Debug)]
 struct Temporary {
-    path: TempPath,
+    path: PathBuf,
     /// The open folder of the file. Through it, the file is deleted even if another folder has the path by then.
     folder: Option<Arc<File>>,
 }
 
 impl Drop for Temporary {
     fn drop(&mut self) {
+        // The file is missing if it was moved to its destination.
         #[cfg(unix)]
         if let (Some(folder), Some(name)) = (&self.folder, self.path.file_name()) {
-            // The file is missing if it was moved to its destination.
             let _ = rustix::fs::unlinkat(folder, name, rustix::fs::AtFlags::empty());
+            return;
         }
+        let _ = fs::remove_file(&self.path);
     }
 }
 
@@ -118,7 +120,7 @@ impl Staged {
         let folder = folder_of(place);
         self.make_folder(folder)?;
         let open = self.open_folder(folder);
-        let (mut file, path) = temporary_file(folder, open.as_deref())?.into_parts();
+        let (mut file, path) = temporary_file(folder, open.as_deref())?.keep().map_err(io::Error::from)?;
         let temporary = Temporary { path, folder: open };
         let written = write(&mut file)?;
         if let Ok(old) = place.symlink_metadata()

@@ -128,6 +128,9 @@ fn files_that_block_or_never_end_are_rejected() {
             let refused = run(here, command).exited(code);
             assert!(refused.stderr.contains("this is not a regular file"), "{command:?}: {refused:#?}");
         }
+        let mut command = ltcforge(here, ["jobs", "list", "--server", "https://127.0.0.1:9"]);
+        let refused = Run::from(command.env("SSL_CERT_FILE", &odd).output().expect("the binary runs")).exited(1);
+        assert!(refused.stderr.contains("odd.json: this is not a regular file"), "{refused:#?}");
     }
     run_with_stdin(here, ["fit", "/dev/stdin"], SMALL).exited(0);
     // A file that reports a size over the limit is not read. This sparse file has a terabyte, but no blocks on the

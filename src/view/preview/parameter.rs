@@ -96,7 +96,7 @@ impl Parameter {
                 let count = self.count();
                 let numbers = numbers.ok().filter(|numbers| numbers.len() == count).map(Value::Numbers);
                 numbers.ok_or_else(|| match count {
-                    1 => expected("a number"),
+                    1 => expected("a number, such as 0.5"),
                     _ => expected(&format!("{count} comma-separated numbers")),
                 })
             }
