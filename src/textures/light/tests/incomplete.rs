@@ -1,4 +1,4 @@
-//! Tests JPEGs without all of their pixels, and OpenEXR files with many channels.
+//! Tests JPEGs without all of their pixels, and `OpenEXR` files with many channels.
 
 use super::*;
 
