@@ -69,12 +69,14 @@ class Service {
 
 	}
 
-	/** The JSON response of a call. Sends `this.token` if it is set. */
+	/** The JSON response of a successful call. Sends `this.token` if it is set. */
 	async call( path, body, method = body === undefined ? 'GET' : 'POST' ) {
 
 		const headers = { ...( body && { 'content-type': 'application/json' } ), ...( this.token && { authorization: `Bearer ${ this.token }` } ) };
-		const init = { method, headers, body: body && JSON.stringify( body ) };
-		return ( await fetch( `${ this.url }${ path }`, init ) ).json();
+		const init = { method, headers, body: body && JSON.stringify( body ), signal: AbortSignal.timeout( DEADLINE / 4 ) };
+		const response = await fetch( `${ this.url }${ path }`, init );
+		if ( response.ok ) return response.json();
+		throw new Error( `${ method } ${ path }: ${ response.status } ${ await response.text() }` );
 
 	}
 
@@ -116,6 +118,17 @@ class Service {
 
 }
 
+/** What the jobs and the open pages show when a script fails. */
+async function report( service, browser, complaints ) {
+
+	const pages = browser?.contexts().flatMap( ( context ) => context.pages() ) ?? [];
+	const shown = pages.map( async ( page ) => `${ page.url() }:\n${ await page.locator( 'body' ).innerText( { timeout: 5000 } ) }` );
+	const jobs = service.call( '/v1/jobs' ).then( JSON.stringify );
+	const parts = await Promise.allSettled( [ jobs, ...shown ] );
+	return [ ...complaints, ...parts.map( ( { value, reason } ) => value ?? reason.message ) ].join( '\n\n' );
+
+}
+
 /**
  * Runs `work` with a service, a function that opens pages, and a list of complaints: errors of scripts and of the console, and
  * violations of the Content-Security-Policy. Prints the result of `work` with the complaints. `args` are arguments of the
@@ -154,6 +167,11 @@ export async function withWorld( work, args = [], flags = [] ) {
 
 		const result = await work( { service, open, complaints } );
 		console.log( JSON.stringify( { ...result, complaints } ) );
+
+	} catch ( error ) {
+
+		console.error( await report( service, browser, complaints ) );
+		throw error;
 
 	} finally {
 
