@@ -34,6 +34,12 @@ pub const LTC_CUT_SHAPES: &str = include_str!("ltc_cut_shapes.wgsl");
 pub const LTC_DECODE: &str = include_str!("ltc_decode.wgsl");
 /// `ltc_example.wgsl`.
 pub const LTC_EXAMPLE: &str = include_str!("ltc_example.wgsl");
+/// `ltc_formula.wgsl`.
+pub const LTC_FORMULA: &str = include_str!("ltc_formula.wgsl");
+/// `ltc_formula_compensation.wgsl`.
+pub const LTC_FORMULA_COMPENSATION: &str = include_str!("ltc_formula_compensation.wgsl");
+/// `ltc_formula_example.wgsl`.
+pub const LTC_FORMULA_EXAMPLE: &str = include_str!("ltc_formula_example.wgsl");
 /// `ltc_function.wgsl`.
 pub const LTC_FUNCTION: &str = include_str!("ltc_function.wgsl");
 /// `ltc_light.wgsl`.

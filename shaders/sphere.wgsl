@@ -145,9 +145,19 @@ fn shade_by_table(at: Shaded) -> vec3<f32> {
     return reflected(parts * vec2(covered_by(lobes.first.m, at), covered_by(lobes.second, at)), parts.x);
 }
 
+/// Radiance towards the eye, by an LTC without a table.
+fn shade_by_formula(at: Shaded) -> vec3<f32> {
+    let f0 = dot(scene.f0.xyz, vec3(1.0 / 3.0));
+    let lobe = ltc_formula(at.alpha.x, at.alpha.y, at.wo, f0, 1.0);
+    return reflected(vec2(lobe.amplitude, lobe.fresnel) * covered_by_inverse(lobe.inverse, at), albedo_of(at));
+}
+
 /// The part of the lobe of matrix m that the light covers.
 fn covered_by(m: mat3x3<f32>, at: Shaded) -> f32 {
-    let inverse = ltc_inverse(m);
+    return covered_by_inverse(ltc_inverse(m), at);
+}
+
+fn covered_by_inverse(inverse: LtcInverse, at: Shaded) -> f32 {
     if (light_is_cut) {
         return covered_above(inverse, at);
     }
@@ -312,6 +322,21 @@ fn surface_by_normals(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_in
     var shaded = vec3(0.0);
     if (hit.coverage > 0.0) {
         shaded = shade_by_normals(hit.at);
+    }
+    write(pixel, composed(place, hit, shaded, 1.0));
+}
+
+@compute @workgroup_size(8, 8)
+fn surface_by_formula(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
+    let pixel = pixel_of(group, local);
+    if (any(pixel >= vec2(scene.options.x))) {
+        return;
+    }
+    let place = place_of(pixel);
+    let hit = hit_at(place);
+    var shaded = vec3(0.0);
+    if (hit.coverage > 0.0) {
+        shaded = shade_by_formula(hit.at);
     }
     write(pixel, composed(place, hit, shaded, 1.0));
 }

@@ -18,7 +18,7 @@ pub(super) fn run(args: &LightArgs, context: &mut Context<'_>) -> Result<Exit, C
     let chosen = choose(args)?;
     let table = chosen.as_ref().map(|chosen| &chosen.table);
     let lighting = table.map(|table| Lighting::Table(table, TableUse { blend: args.blend, cut: args.cut }));
-    let formula = args.model.closed_form(args.rule).map(Lighting::ClosedForm);
+    let formula = args.model.closed_form(args.rule).map(|form| Lighting::ClosedForm(form.with_cut(args.cut)));
     let lighting = lighting.or(formula).ok_or_else(|| usage(LightError::NeedsTable(args.model)))?;
     let brdf = table.map_or(BrdfKind::Ggx.into(), |table| table.model().clone());
     let mut picture = Picture::of(args, &brdf)?;
@@ -166,8 +166,8 @@ fn option_faults(args: &LightArgs) -> Vec<String> {
         (args.table.is_none() && model.needs_table()).then(|| LightError::NeedsTable(model).to_string()),
         (args.rule.is_some() && model.rule_choices().is_empty())
             .then(|| format!("--rule is only for model {ruled}, not for {model}: leave it out")),
-        (args.cut && model != LightModel::Ltc)
-            .then(|| format!("--cut is only for model ltc, not for {model}: leave it out")),
+        (args.cut && !model.is_of_ltcs())
+            .then(|| format!("--cut is only for models ltc and ltc-formula, not for {model}: leave it out")),
     ];
     found.into_iter().flatten().collect()
 }

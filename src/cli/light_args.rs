@@ -34,9 +34,9 @@ pub struct LightArgs {
     /// The folder of tables
     #[command(flatten)]
     pub folder: TableFolder,
-    /// Cut the light and the lobe at the surface (model ltc)
+    /// Cut the light and the lobe at the surface (models of LTCs)
     ///
-    /// Without it, model ltc reflects some light from below the surface, like the default shader
+    /// Without it, an LTC reflects some light from below the surface, like the default shader
     #[arg(long)]
     pub cut: bool,
     /// Rule of model normals [default: balanced]

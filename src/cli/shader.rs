@@ -39,7 +39,7 @@ pub struct ShaderArgs {
     /// Read the second lobe of a `two_lobes` or `blended_lobes` table
     #[arg(long)]
     pub two_lobes: bool,
-    /// Lights to include functions for, in model ltc [default: all]
+    /// Lights to include functions for, in models of LTCs [default: all]
     #[arg(long, value_parser = named(Lights::ALL, Lights::name))]
     pub lights: Option<Lights>,
     /// Functions to add.
@@ -80,7 +80,7 @@ pub struct ShaderArgs {
 /// Options that add functions to a text to include.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct AdditionArgs {
-    /// Add functions that cut lights at the surface (model ltc)
+    /// Add functions that cut lights at the surface (models of LTCs)
     #[arg(long)]
     pub cut: bool,
     /// Add the factor that replaces light lost between facets (metals)
@@ -301,8 +301,8 @@ fn refusal(args: &ShaderArgs) -> Option<String> {
             .then(|| format!("model {model} binds no textures: leave out --first-binding and --group")),
         (args.two_lobes && !(has_table && is_ltc))
             .then(|| "--two-lobes needs a table of LTCs: add --layout, or leave it out".to_owned()),
-        (args.lights.is_some() && !is_ltc)
-            .then(|| format!("--lights is only for model ltc, not for {model}: leave it out")),
+        (args.lights.is_some() && !model.is_of_ltcs())
+            .then(|| format!("--lights is only for models ltc and ltc-formula, not for {model}: leave it out")),
         ((args.texture_array || args.hardware_filter) && !has_table)
             .then(|| "--texture-array and --hardware-filter need a table: add --layout, or leave them out".to_owned()),
         (args.hardware_filter && language == Language::Wgsl)

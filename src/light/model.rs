@@ -2,10 +2,10 @@
 
 use super::{
     AreaLight, LightError, albedo, gaussians, ltc,
-    ltc::{TableUse, by_blend, by_table_as, edge_by_table},
+    ltc::{TableUse, by_blend, by_table_as, covered_in, edge_by_table},
     normals,
     normals::NormalsRule,
-    rules::{Formula, LitPoint, ModelOfLight, ReflectedLight, lit},
+    rules::{Formula, LitPoint, ModelOfLight, ReflectedLight, lit, surface_and_view},
 };
 use ltcforge_fit::{BrdfKind, BrdfModel, Configuration, LobeModel, Table, named_list};
 
@@ -16,6 +16,8 @@ named_list! {
         Normals = "normals" => normals::NormalsModel,
         /// A table of LTCs.
         Ltc = "ltc" => ltc::LtcModel,
+        /// An LTC by a formula, without a table.
+        LtcFormula = "ltc-formula" => ltc::formula::FormulaModel,
         /// A spherical Gaussian, from a formula or from a table.
         Sg = "sg" => gaussians::SG,
         /// An anisotropic spherical Gaussian, from a formula or from a table.
@@ -28,6 +30,8 @@ named_list! {
 pub struct ClosedForm {
     model: LightModel,
     rule: NormalsRule,
+    /// Whether an LTC and the light are cut at the surface.
+    cut: bool,
 }
 
 /// A model of light with its table, if any.
@@ -70,13 +74,19 @@ impl LightModel {
     pub fn closed_form(self, rule: Option<NormalsRule>) -> Option<ClosedForm> {
         let usual = NormalsRule::ALL[0];
         let rule = if self.rule_choices().is_empty() { usual } else { rule.unwrap_or(usual) };
-        (!self.needs_table()).then_some(ClosedForm { model: self, rule })
+        (!self.needs_table()).then_some(ClosedForm { model: self, rule, cut: false })
     }
 
     /// The model without a table, for each of its rules; empty if it needs a table.
     pub fn closed_forms(self) -> impl Iterator<Item = ClosedForm> {
         let rules = if self.rule_choices().is_empty() { &NormalsRule::ALL[..1] } else { self.rule_choices() };
         rules.iter().filter_map(move |rule| self.closed_form(Some(*rule)))
+    }
+
+    /// True if the model integrates LTCs. They are exact for every shape, and can be cut at the surface.
+    #[must_use]
+    pub fn is_of_ltcs(self) -> bool {
+        matches!(self, Self::Ltc | Self::LtcFormula)
     }
 
     /// The cost of a pixel of a preview with the formula, in samples of its reference. For a model without a formula it
@@ -127,7 +137,13 @@ impl ClosedForm {
         (!self.model.rule_choices().is_empty()).then_some(self.rule)
     }
 
-    /// The light that a surface reflects. Shapes are replaced by the polygons of
+    /// The same model, with lights and lobes that end at the surface. Only LTCs let light through from below.
+    #[must_use]
+    pub fn with_cut(self, cut: bool) -> Self {
+        Self { cut, ..self }
+    }
+
+    /// The light that a surface reflects. Except for LTCs, shapes are replaced by the polygons of
     /// [`ShapedLight::outline`](super::ShapedLight::outline).
     ///
     /// # Errors
@@ -138,8 +154,35 @@ impl ClosedForm {
         at: &Configuration,
         light: impl Into<AreaLight<'a>>,
     ) -> Result<ReflectedLight, LightError> {
-        let formula = self.model.rules().formula();
-        lit(at, light.into(), |lit| formula.map_or([0.0; 2], |formula| formula.reflected(lit, self.rule)))
+        self.reflected_by(at, light.into(), [1.0, 1.0])
+    }
+
+    /// The light that a material with Schlick's Fresnel factor reflects. An LTC by a formula is shaped for the material.
+    ///
+    /// # Errors
+    /// The errors of [`ClosedForm::reflected`].
+    pub fn of_material<'a>(
+        self,
+        at: &Configuration,
+        light: impl Into<AreaLight<'a>>,
+        [f0, f90]: [f64; 2],
+    ) -> Result<f64, LightError> {
+        Ok(self.reflected_by(at, light.into(), [f0, f90])?.schlick(f0, f90))
+    }
+
+    fn reflected_by(
+        self,
+        at: &Configuration,
+        light: AreaLight<'_>,
+        fresnel: [f64; 2],
+    ) -> Result<ReflectedLight, LightError> {
+        let Some(formula) = self.model.rules().formula() else { return Ok(ReflectedLight::NONE) };
+        let (alpha, wo) = surface_and_view(at)?;
+        if let Some(lobe) = formula.lobe(alpha, wo.to_array(), fresnel) {
+            let covered = covered_in(lobe.space, light, self.cut);
+            return Ok(ReflectedLight { energy: lobe.parts[0] * covered, fresnel: lobe.parts[1] * covered });
+        }
+        lit(at, light, |lit| formula.reflected(lit, self.rule))
     }
 
     /// The light weighted by F82's edge weight: see [`ReflectedLight::metal`].
@@ -204,7 +247,8 @@ impl Lighting<'_> {
     ) -> Result<f64, LightError> {
         match self {
             Self::Table(table, used) if used.blend => by_blend(table, at, light, [f0, f90], used),
-            _ => Ok(self.reflected(at, light)?.schlick(f0, f90)),
+            Self::ClosedForm(form) => form.of_material(at, light, [f0, f90]),
+            Self::Table(..) => Ok(self.reflected(at, light)?.schlick(f0, f90)),
         }
     }
 
@@ -266,7 +310,7 @@ mod tests {
 
     #[test]
     fn models_are_listed_as_sentences_do() {
-        assert_eq!(LightModel::names_of(|model| !model.needs_table()), "normals, sg and asg");
+        assert_eq!(LightModel::names_of(|model| !model.needs_table()), "normals, ltc-formula, sg and asg");
         assert_eq!([listed(&[]), listed(&["a"]), listed(&["a", "b"])], ["", "a", "a and b"]);
         for lobe in LobeModel::ALL {
             assert_eq!(LightModel::of_lobe(*lobe).lobe(), Some(*lobe));

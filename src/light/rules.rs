@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use glam::DVec3;
 
-use super::{AreaLight, LightError, normals::NormalsRule};
+use super::{AreaLight, LightError, ltc::FormulaLobe, normals::NormalsRule};
 use ltcforge_fit::{
     Configuration, LEAST_ALPHA, LobeModel, Sides,
     brdf::{edge_of_parts, f82_light},
@@ -38,6 +38,12 @@ pub(crate) trait Formula: Sync {
 
     /// The cost of a pixel, in samples of the preview's reference.
     fn cost(&self) -> u32;
+
+    /// The LTC of a material with this reflectance at normal and at grazing incidence, if the formula is one. It is then
+    /// integrated over every shape exactly.
+    fn lobe(&self, _alpha: [f64; 2], _wo: Triple<f64>, _fresnel: [f64; 2]) -> Option<FormulaLobe<f64>> {
+        None
+    }
 
     /// The reflected light of a polygon of radiance one, for a Fresnel factor of one and weighted by Schlick's
     /// `(1 - wo . h)^5`.

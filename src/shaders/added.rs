@@ -31,6 +31,9 @@ const SHAPES_CUT: &str = "    let cut_disk = ltc_cut_disk(inverse, vertices[0], 
 fn compensation(model: LightModel) -> (&'static str, &'static [&'static str]) {
     match model {
         LightModel::Ltc => ("ltc_compensation(lobe, f0)", &["ltc_compensation"]),
+        LightModel::LtcFormula => {
+            ("ltc_formula_compensation(alpha_x, alpha_y, wo, f0)", &["ltc_albedo", "ltc_formula_compensation"])
+        }
         LightModel::Normals => ("normals_compensation(view, f0)", &["ltc_albedo", "normals_compensation"]),
         LightModel::Sg | LightModel::Asg => {
             ("gaussians_compensation(alpha_x, alpha_y, wo, f0)", &["ltc_albedo", "gaussians_compensation"])

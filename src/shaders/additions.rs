@@ -17,10 +17,10 @@ pub struct Additions {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum AdditionError {
     /// The model has nothing to cut, because no light shines through from below.
-    #[error("--cut needs model ltc: model {0} lets no light through from below the surface")]
+    #[error("--cut needs model ltc or ltc-formula: model {0} lets no light through from below the surface")]
     NothingBelow(LightModel),
     /// The model has no functions for pictures.
-    #[error("--textured needs model normals or ltc: model {0} has no lights with pictures")]
+    #[error("--textured needs model normals, ltc or ltc-formula: model {0} has no lights with pictures")]
     NoPictures(LightModel),
 }
 
@@ -28,7 +28,7 @@ pub enum AdditionError {
 pub(super) fn pictured(model: LightModel) -> Option<[&'static str; 2]> {
     match model {
         LightModel::Normals => Some(["normals", "NormalsView"]),
-        LightModel::Ltc => Some(["ltc", "LtcInverse"]),
+        LightModel::Ltc | LightModel::LtcFormula => Some(["ltc", "LtcInverse"]),
         LightModel::Sg | LightModel::Asg => None,
     }
 }
@@ -39,7 +39,7 @@ impl Additions {
     /// # Errors
     /// [`AdditionError`] for `cut` with a model other than LTCs, and for `textured` with a model without pictures.
     pub fn check(self, model: LightModel) -> Result<(), AdditionError> {
-        if self.cut && model != LightModel::Ltc {
+        if self.cut && !model.is_of_ltcs() {
             return Err(AdditionError::NothingBelow(model));
         }
         if self.textured.is_some() && pictured(model).is_none() {

@@ -33,14 +33,18 @@ pub(super) fn light_files(lights: Lights) -> &'static [&'static str] {
 /// The fragment shader that calls every function for a table of LTCs.
 #[must_use]
 pub fn table_caller(two_lobes: bool, lights: Lights) -> String {
+    let lookup = "let lobe = ltc_lookup(0.5, 0.5, vec3(0.0, 0.0, 1.0));\n    ";
+    let (before, m) = if two_lobes { (BLEND_CALLED, "blend") } else { ("", "lobe.m") };
+    caller(&format!("{lookup}{before}let inverse = ltc_inverse({m});"), &lights_called(lights))
+}
+
+/// The calls of every function for lights.
+pub(super) fn lights_called(lights: Lights) -> String {
     let (shapes, parts) = match lights {
         Lights::All => (SHAPES_CALLED, "disk + sphere, long"),
         Lights::Polygons => ("", "0.0, 0.0"),
     };
-    let calls = format!("{shapes}{POLYGONS_CALLED}    return vec4(polygon, {parts}, lobe.fresnel);\n");
-    let lookup = "let lobe = ltc_lookup(0.5, 0.5, vec3(0.0, 0.0, 1.0));\n    ";
-    let (before, m) = if two_lobes { (BLEND_CALLED, "blend") } else { ("", "lobe.m") };
-    caller(&format!("{lookup}{before}let inverse = ltc_inverse({m});"), &calls)
+    format!("{shapes}{POLYGONS_CALLED}    return vec4(polygon, {parts}, lobe.fresnel);\n")
 }
 
 const BLEND_CALLED: &str = "let blend = ltc_blend(ltc_lookup_both(0.5, 0.5, vec3(0.0, 0.0, 1.0)), 0.04, 1.0);

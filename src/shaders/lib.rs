@@ -11,6 +11,7 @@ mod added;
 mod additions;
 mod bindings;
 mod es_module;
+mod formula_header;
 mod gaussians_header;
 mod gaussians_table_header;
 mod given;

@@ -1,8 +1,8 @@
 //! The shader of each light model.
 
 use super::{
-    Language, Lights, LitBy, ModelShader, Namespace, Reading, gaussians_header, gaussians_table_header, header,
-    normals_header,
+    Language, Lights, LitBy, ModelShader, Namespace, Reading, formula_header, gaussians_header, gaussians_table_header,
+    header, normals_header,
 };
 use ltcforge_fit::Layout;
 use ltcforge_light::{LightModel, NormalsRule};
@@ -13,6 +13,7 @@ impl LitBy {
     pub fn shader(self) -> &'static ModelShader {
         match (self.model(), self.layout()) {
             (LightModel::Ltc, _) => &header::SHADER,
+            (LightModel::LtcFormula, _) => &formula_header::SHADER,
             (LightModel::Normals, _) => normals_header::shader(self.rule().unwrap_or(NormalsRule::ALL[0])),
             (LightModel::Sg | LightModel::Asg, None) => &gaussians_header::SHADER,
             (LightModel::Sg | LightModel::Asg, Some(_)) => &gaussians_table_header::SHADER,

@@ -19,7 +19,7 @@ pub struct Shader {
 }
 
 /// Every shader except the parts of layouts. Each shader follows the shaders that it needs.
-pub const SHADERS: [Shader; 46] = [
+pub const SHADERS: [Shader; 49] = [
     Shader { name: "ltc_math", source: ltcforge_wgsl::LTC_MATH },
     Shader { name: "ltc_quadrant", source: ltcforge_wgsl::LTC_QUADRANT },
     Shader { name: "texels_volumes", source: ltcforge_wgsl::TEXELS_VOLUMES },
@@ -34,6 +34,7 @@ pub const SHADERS: [Shader; 46] = [
     Shader { name: "ltc_two_lobes", source: ltcforge_wgsl::LTC_TWO_LOBES },
     Shader { name: "ltc_light", source: ltcforge_wgsl::LTC_LIGHT },
     Shader { name: "ltc_shapes", source: ltcforge_wgsl::LTC_SHAPES },
+    Shader { name: "ltc_formula", source: ltcforge_wgsl::LTC_FORMULA },
     Shader { name: "ltc_cut", source: ltcforge_wgsl::LTC_CUT },
     Shader { name: "ltc_cut_shapes", source: ltcforge_wgsl::LTC_CUT_SHAPES },
     Shader { name: "ltc_albedo", source: ltcforge_wgsl::LTC_ALBEDO },
@@ -53,9 +54,11 @@ pub const SHADERS: [Shader; 46] = [
     Shader { name: "normals_textured", source: ltcforge_wgsl::NORMALS_TEXTURED },
     Shader { name: "layers", source: ltcforge_wgsl::LAYERS },
     Shader { name: "prefilter", source: ltcforge_wgsl::PREFILTER },
+    Shader { name: "ltc_formula_compensation", source: ltcforge_wgsl::LTC_FORMULA_COMPENSATION },
     Shader { name: "normals_compensation", source: ltcforge_wgsl::NORMALS_COMPENSATION },
     Shader { name: "gaussians_compensation", source: ltcforge_wgsl::GAUSSIANS_COMPENSATION },
     Shader { name: "ltc_example", source: ltcforge_wgsl::LTC_EXAMPLE },
+    Shader { name: "ltc_formula_example", source: ltcforge_wgsl::LTC_FORMULA_EXAMPLE },
     Shader { name: "normals_example", source: ltcforge_wgsl::NORMALS_EXAMPLE },
     Shader { name: "gaussians_example", source: ltcforge_wgsl::GAUSSIANS_EXAMPLE },
     Shader { name: "gaussians_table_example", source: ltcforge_wgsl::GAUSSIANS_TABLE_EXAMPLE },

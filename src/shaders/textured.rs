@@ -133,7 +133,7 @@ impl LitBy {
         let (Some(_), Some([own, _])) = (self.additions().textured, pictured(self.model())) else {
             return String::new();
         };
-        let of = if self.model() == LightModel::Ltc { "inverse" } else { "view" };
+        let of = if self.model().is_of_ltcs() { "inverse" } else { "view" };
         format!(
             "    let textured = {own}_textured_rectangle({of}, corners, true, 0u, 8.0);
     let lamp = {own}_profile_rectangle({of}, corners, true, 1u);\n"
@@ -146,7 +146,7 @@ impl LitBy {
             return String::new();
         };
         let (of, result) = match self.model() {
-            LightModel::Ltc => {
+            LightModel::Ltc | LightModel::LtcFormula => {
                 ("inverse", "covered, as from ltc_rectangle, and colour, to use as the radiance of the light.")
             }
             _ => ("view", "parts, as from normals_rectangle, and colour, to use as the radiance of the light."),

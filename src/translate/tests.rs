@@ -76,8 +76,10 @@ fn every_language_has_header_and_functions_of_either_layout() {
 }
 
 /// The light models without a table. Each has its comment and its functions.
-fn without_a_table(language: Language) -> [(LitBy, String, &'static [&'static str]); 2] {
+fn without_a_table(language: Language) -> [(LitBy, String, &'static [&'static str]); 3] {
+    let formula = lit_by(LightModel::LtcFormula, None);
     [
+        (formula, formula.comment(language), &FORMULA_FUNCTIONS),
         (lit_by(LightModel::Normals, None), lit_by(LightModel::Normals, None).comment(language), &NORMALS_FUNCTIONS),
         (lit_by(LightModel::Asg, None), lit_by(LightModel::Asg, None).comment(language), &GAUSSIANS_FUNCTIONS),
     ]
@@ -85,6 +87,8 @@ fn without_a_table(language: Language) -> [(LitBy, String, &'static [&'static st
 
 const TABLE_FUNCTIONS: [&str; 8] =
     ["ltc_lookup", "ltc_inverse", "ltc_rectangle", "ltc_polygon", "ltc_disk", "ltc_sphere", "ltc_tube", "ltc_line"];
+const FORMULA_FUNCTIONS: [&str; 7] =
+    ["ltc_formula", "ltc_rectangle", "ltc_polygon", "ltc_disk", "ltc_sphere", "ltc_tube", "ltc_line"];
 const NORMALS_FUNCTIONS: [&str; 4] = ["normals_view", "normals_rectangle", "normals_polygon", "normals_disk"];
 const GAUSSIANS_FUNCTIONS: [&str; 5] =
     ["gaussians_view", "gaussians_rectangle", "gaussians_polygon", "gaussians_disk", "gaussians_sg"];
@@ -265,8 +269,8 @@ fn the_cases_cover_every_fold_and_partly_cover_the_lobe() {
 fn includes() -> impl Iterator<Item = (Language, LitBy, String)> {
     let gaussian = lit_by(LightModel::Sg, None);
     let gaussian_table = lit_by(LightModel::Asg, Some(Layout::Reflected));
-    let lights =
-        [Layout::Reflected.into(), Layout::Kt2022.into(), lit_by(LightModel::Normals, None), gaussian, gaussian_table];
+    let [formula, normals] = [LightModel::LtcFormula, LightModel::Normals].map(|model| lit_by(model, None));
+    let lights = [Layout::Reflected.into(), Layout::Kt2022.into(), formula, normals, gaussian, gaussian_table];
     let languages = Language::ALL.iter().copied().filter(|language| language.has_includes());
     languages.flat_map(move |language| {
         lights.into_iter().flat_map(move |lit_by| {
@@ -293,6 +297,7 @@ fn texts_to_include_have_functions_and_no_program() {
             "main(",
             "ltc_included",
             "ltc_example",
+            "ltc_formula_example",
             "normals_example",
             "gaussians_example",
             "gaussians_table_example",
@@ -305,6 +310,7 @@ fn texts_to_include_have_functions_and_no_program() {
         }
         let functions: &[&str] = match (lit_by.model(), lit_by.layout()) {
             (LightModel::Ltc, _) => &TABLE_FUNCTIONS,
+            (LightModel::LtcFormula, _) => &FORMULA_FUNCTIONS,
             (LightModel::Normals, _) => &NORMALS_FUNCTIONS,
             (LightModel::Sg | LightModel::Asg, None) => &GAUSSIANS_FUNCTIONS,
             (LightModel::Sg | LightModel::Asg, Some(_)) => &GAUSSIANS_TABLE_FUNCTIONS,

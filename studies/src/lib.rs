@@ -12,6 +12,7 @@ pub mod costs;
 mod draw;
 pub mod expected;
 pub mod figures;
+pub mod formula;
 pub mod glass;
 pub mod gpu_costs;
 pub mod gpu_times;

@@ -18,7 +18,7 @@ use ltcforge_driver::FAMILY_VARIABLE;
 use ltcforge_studies::{
     albedo, arcs, below, best, costs, expected,
     figures::Figure,
-    glass, gpu_costs, gpu_times, l3, light_errors, materials, minimax, models,
+    formula, glass, gpu_costs, gpu_times, l3, light_errors, materials, minimax, models,
     networks::{self, Numbers, Options},
     prefilter, tabulated, textured,
 };
@@ -61,6 +61,21 @@ enum Study {
         /// Seed of the lights
         #[arg(long, default_value_t = 1)]
         seed: u64,
+    },
+    /// Find the numbers of model `ltc-formula`: src/light/ltc/formula
+    Formula {
+        /// Lights per kind in the search. As many are held out
+        #[arg(long, default_value_t = 2000)]
+        lights: usize,
+        /// Steps of the search
+        #[arg(long, default_value_t = 30)]
+        steps: usize,
+        /// Seed of the lights
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// Print the errors of the current numbers without a search
+        #[arg(long)]
+        current: bool,
     },
     /// Find the constants that predict errors: src/fit/expectation.rs
     Expected,
@@ -207,6 +222,19 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
             for (name, [current, found]) in [("training", training), ("held out", held_out)] {
                 println!("{name:16}  {current:.3e}  {found:.3e}");
             }
+        }
+        Study::Formula { current: true, .. } => {
+            print!("{}", formula::by_kind(1, 4000, &[("current", &formula::NUMBERS)]));
+        }
+        Study::Formula { lights, steps, seed, .. } => {
+            let found = formula::find(&formula::Options { lights, steps, seed });
+            println!("objective        current      found");
+            for (name, [current, found]) in [("training", found.training), ("held out", found.held_out)] {
+                println!("{name:16}  {current:.6}  {found:.6}");
+            }
+            let candidates = [("current", &formula::NUMBERS), ("found", &found.numbers)];
+            println!("\n{}", formula::by_kind(1, 4000, &candidates));
+            println!("{}\n{}", formula::as_rust(&found.numbers), formula::as_wgsl(&found.numbers));
         }
         Study::GpuCosts { family } => {
             // RADV reads the variable when it is loaded. Therefore the program restarts itself with the variable set.

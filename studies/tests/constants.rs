@@ -7,7 +7,7 @@ use ltcforge::{
 use ltcforge_studies::{
     albedo, arcs, best, expected,
     expected::Extent,
-    glass, l3, minimax, models,
+    formula, glass, l3, minimax, models,
     networks::{self, Numbers, Options},
     tables::fitted,
     tabulated::{self, grouped},
@@ -38,6 +38,27 @@ fn the_numbers_of_networks_are_printed_as_in_the_sources() {
             assert!(NUMBERS.contains(&text) || shader.contains(&text), "{text}");
         }
     }
+}
+
+/// The printed numbers and polynomials equal those of the Rust source and of the shader.
+#[test]
+fn the_formula_of_an_ltc_is_printed_as_in_the_sources() {
+    let numbers = include_str!("../../src/light/ltc/formula/numbers.rs");
+    assert!(numbers.contains(&formula::as_rust(&formula::NUMBERS)), "{}", formula::as_rust(&formula::NUMBERS));
+    let shader = include_str!("../../shaders/ltc_formula.wgsl");
+    let polynomials = formula::as_wgsl(&formula::NUMBERS);
+    for polynomial in polynomials.split_inclusive(";\n") {
+        assert!(shader.contains(polynomial), "{polynomial}");
+    }
+}
+
+/// On held-out lights, a short search comes close to the current numbers.
+#[test]
+fn a_short_search_comes_close_to_the_formula() {
+    let found = formula::find(&formula::Options { lights: 150, steps: 15, seed: 51 });
+    let [current, end] = found.held_out;
+    println!("{end:.6}; current: {current:.6}; training: {:.6?}", found.training);
+    assert!((0.85..1.5).contains(&(end / current)), "{end} {current}");
 }
 
 /// The found polynomials equal the polynomials of the shaders.

@@ -65,6 +65,7 @@ fn the_costs_of_shaders_agree_with_the_documents() {
         ("`normals`, rule `fine` ", "normals fine"),
         ("`ltc`, default table ", "ltc reflected"),
         ("`kt2022`, method of KT et al. ", "kt2022, its own"),
+        ("`ltc-formula`, no table ", "ltc-formula"),
         ("`ltc2017`, method of engines ", "ltc2017, clipless"),
     ] {
         let row = format!("| {row}{}", cells(cost(name)));

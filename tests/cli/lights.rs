@@ -244,9 +244,15 @@ fn with_cut_no_light_shines_through_the_surface() {
     assert!(whole[0][0] > 0.0 && cut[0] == [0.0, 0.0], "{whole:?} {cut:?}");
     // The light above the surface is brighter, because the whole lobe is now above the surface.
     assert!(cut[1][0] > whole[1][0] && cut[1][0] < 1.2 * whole[1][0], "{whole:?} {cut:?}");
+    let by_formula = |options: &[&str]| {
+        let formula = ["light", "-", "--model", "ltc-formula"];
+        rows(&run_with_stdin(folder.path(), formula.iter().chain(options), below).exited(0).stdout)
+    };
+    let (whole, cut) = (by_formula(&[]), by_formula(&["--cut"]));
+    assert!(whole[0][0] > 0.0 && cut[0] == [0.0, 0.0] && cut[1][0] > whole[1][0], "{whole:?} {cut:?}");
     for model in ["normals", "asg"] {
         let refused = run_with_stdin(folder.path(), ["light", "-", "--cut", "--model", model], below).exited(2);
-        assert!(refused.stderr.contains("--cut is only for model ltc"), "{}", refused.stderr);
+        assert!(refused.stderr.contains("--cut is only for models ltc and ltc-formula"), "{}", refused.stderr);
         let refused = run(folder.path(), ["shader", "--language", "hlsl", "--cut", "--model", model]).exited(2);
         assert!(refused.stderr.contains("--cut needs model ltc"), "{}", refused.stderr);
     }

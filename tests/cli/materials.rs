@@ -34,7 +34,7 @@ fn light_of_a_material_is_a_weighted_sum_of_both_parts() {
         (&["--f0=2", "--f82=3", "--f90=-1", "--cut"], "--f0 2: a reflectance"),
         (&["--f0=2", "--f82=3", "--f90=-1", "--cut"], "; --f82 3: a reflectance"),
         (&["--f0=2", "--f82=3", "--f90=-1", "--cut"], "; --f90 -1: a reflectance"),
-        (&["--f0=2", "--f82=3", "--f90=-1", "--cut"], "; --cut is only for model ltc"),
+        (&["--f0=2", "--f82=3", "--f90=-1", "--cut"], "; --cut is only for models ltc"),
     ] {
         assert!(with(options).exited(2).stderr.contains(word), "{options:?}");
     }

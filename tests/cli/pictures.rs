@@ -167,7 +167,7 @@ fn a_picture_of_model_normals_needs_no_table() {
     assert_eq!((&output["table"], &output["errors"][0]["model"]), (&Value::Null, &"normals".into()));
     let error = output["errors"][0]["mean_absolute_error"].as_f64().expect("a number");
     assert!(error < 0.02, "{error}");
-    for model in ["sg", "asg"] {
+    for model in ["sg", "asg", "ltc-formula"] {
         let output = preview(&["--model", model, "--mode", "strip", "--json"]).exited(0);
         let output: Value = serde_json::from_str(&output.stdout).expect("JSON");
         let error = output["errors"][0]["mean_absolute_error"].as_f64().expect("a number");

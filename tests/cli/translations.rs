@@ -28,7 +28,7 @@ fn assert_sound(output: &Output) {
 }
 
 /// The kinds of shaders: with tables of each layout, and without a table.
-const LIT_BY: [&[&str]; 15] = [
+const LIT_BY: [&[&str]; 16] = [
     &["--layout", "kt2022"],
     &["--layout", "reflected"],
     &["--layout", "ltc2017"],
@@ -41,6 +41,7 @@ const LIT_BY: [&[&str]; 15] = [
     &["--model", "normals"],
     &["--model", "normals", "--rule", "fast"],
     &["--model", "normals", "--rule", "fine"],
+    &["--model", "ltc-formula"],
     &["--model", "asg"],
     &["--model", "asg", "--layout", "reflected"],
     &["--model", "sg", "--layout", "kt2022"],

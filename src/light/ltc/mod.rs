@@ -2,14 +2,16 @@
 
 mod cone;
 mod cut;
+pub mod formula;
 mod shapes;
 mod table;
 
 pub use cone::Cone;
 pub use cut::AboveSurface;
+pub use formula::FormulaLobe;
 pub use shapes::CosineSpace;
-pub(crate) use table::covered;
 pub use table::{TableUse, by_blend, by_table, by_table_as, edge_by_table};
+pub(crate) use table::{covered, covered_in};
 
 use super::rules::ModelOfLight;
 use ltcforge_fit::LobeModel;

@@ -26,10 +26,42 @@ impl<T: Scalar> CosineSpace<T> {
         Self { rows, determinant: dot(rows[2], cross(rows[0], rows[1])) }
     }
 
+    /// Like [`Self::new`], with the determinant of the rows.
+    pub(super) fn with_determinant(rows: [Triple<T>; 3], determinant: T) -> Self {
+        Self { rows, determinant }
+    }
+
+    /// The rows of `M^-1`, up to a positive factor.
+    #[must_use]
+    pub fn rows(&self) -> [Triple<T>; 3] {
+        self.rows
+    }
+
+    /// The determinant of [`Self::rows`].
+    #[must_use]
+    pub fn determinant(&self) -> T {
+        self.determinant
+    }
+
     /// Maps a vector to the space of the clamped cosine.
     #[must_use]
     pub fn of(&self, v: Triple<T>) -> Triple<T> {
         self.rows.map(|row| dot(row, v))
+    }
+
+    /// The part of the distribution over a convex polygon, in [0, 1]. Zero for fewer than three vertices.
+    #[must_use]
+    pub fn polygon<V: Copy + Into<Triple<T>>>(&self, vertices: &[V], sides: Sides) -> T {
+        let Some(last) = vertices.last() else { return T::ZERO };
+        let mut clip = Clip::begin(self.of((*last).into()));
+        for vertex in vertices {
+            clip.edge_to(self.of((*vertex).into()));
+        }
+        let sum = clip.finish();
+        // A matrix with a negative determinant reverses the polygon's winding.
+        let lit = if self.determinant < T::ZERO { -sum } else { sum };
+        let covered = if sides == Sides::Two { sum.abs() } else { lit };
+        covered.max(T::ZERO).min(T::ONE)
     }
 
     /// The part of the distribution over the ellipse `centre + cos t x + sin t y`, for any two half axes. The lit side

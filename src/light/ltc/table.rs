@@ -112,19 +112,26 @@ pub fn edge_by_table<'a>(
 /// The part of an LTC over a light. With `cut` the LTC is cut at the surface.
 pub(crate) fn covered(matrix: &DMat3, light: AreaLight<'_>, cut: bool) -> Result<f64, LightError> {
     let ltc = Ltc::new(*matrix).ok_or(LightError::Singular)?;
-    let space = CosineSpace::from(&ltc);
-    if cut {
-        return Ok(covered_above(&space.above_surface(), light));
-    }
     Ok(match light {
-        AreaLight::Polygon(light) => ltc.polygon(light.vertices(), light.sides()),
+        AreaLight::Polygon(light) if !cut => ltc.polygon(light.vertices(), light.sides()),
+        _ => covered_in(CosineSpace::from(&ltc), light, cut),
+    })
+}
+
+/// The part of the distribution over a light. With `cut` the distribution is cut at the surface.
+pub(crate) fn covered_in(space: CosineSpace<f64>, light: AreaLight<'_>, cut: bool) -> f64 {
+    if cut {
+        return covered_above(&space.above_surface(), light);
+    }
+    match light {
+        AreaLight::Polygon(light) => space.polygon(light.vertices(), light.sides()),
         AreaLight::Shaped(light) => match *light.form() {
             Form::Ellipse { centre, half_axes, sides } => space.ellipse(centre, half_axes, sides),
             Form::Sphere { centre, radius } => space.sphere(centre, radius),
             Form::Tube { ends, radius } => space.tube(ends, radius),
             Form::Line { ends, width } => space.line(ends, width),
         },
-    })
+    }
 }
 
 fn covered_above(above: &AboveSurface<f64>, light: AreaLight<'_>) -> f64 {

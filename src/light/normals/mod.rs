@@ -31,7 +31,7 @@ mod network;
 #[allow(clippy::unreadable_literal, reason = "a program prints them, one row per line")]
 mod numbers;
 mod outline;
-mod view;
+pub(crate) mod view;
 
 pub(super) use self::model::NormalsModel;
 pub(crate) use self::view::View;

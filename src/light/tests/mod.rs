@@ -5,6 +5,7 @@ mod closed_form;
 mod every_brdf;
 mod extremes;
 mod f82;
+mod formula;
 mod gaussians;
 mod jumps;
 mod layers;

@@ -89,11 +89,19 @@ const OF_WGSL: [&str; 35] = [
 /// Every shader text in WGSL, with its entry point and with the filter constant replaced.
 fn sources() -> Vec<(LitBy, String)> {
     let rules = NormalsRule::SHADED.map(|rule| lit_by(LightModel::Normals, None).by_rule(Some(rule)).expect("a rule"));
-    let models =
-        rules.into_iter().chain([lit_by(LightModel::Asg, None), lit_by(LightModel::Asg, Some(Layout::Kt2022))]);
+    let models = rules.into_iter().chain([
+        lit_by(LightModel::LtcFormula, None),
+        lit_by(LightModel::Asg, None),
+        lit_by(LightModel::Asg, Some(Layout::Kt2022)),
+    ]);
     let cut = Additions { cut: true, compensate: true, textured: None };
     let cut = LitBy::from(Layout::Reflected).with(cut).expect("a table of LTCs");
-    let compensated = [(LightModel::Normals, None), (LightModel::Sg, None), (LightModel::Sg, Some(Layout::Kt2022))];
+    let compensated = [
+        (LightModel::LtcFormula, None),
+        (LightModel::Normals, None),
+        (LightModel::Sg, None),
+        (LightModel::Sg, Some(Layout::Kt2022)),
+    ];
     let compensated = compensated.map(|(model, layout)| {
         lit_by(model, layout).with(Additions { cut: false, compensate: true, textured: None }).expect("a model")
     });

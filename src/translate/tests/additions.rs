@@ -52,6 +52,7 @@ fn a_text_that_cuts_lights_keeps_all_other_functions() {
 fn a_text_that_compensates_has_the_factor() {
     let models = [
         (LightModel::Ltc, Some(Layout::Ltc2017), "ltc_compensation"),
+        (LightModel::LtcFormula, None, "ltc_formula_compensation"),
         (LightModel::Normals, None, "normals_compensation"),
         (LightModel::Sg, None, "gaussians_compensation"),
         (LightModel::Asg, Some(Layout::Kt2022), "gaussians_compensation"),
@@ -77,6 +78,7 @@ fn a_text_that_compensates_has_the_factor() {
 #[test]
 fn a_text_with_pictures_binds_and_reads_them() {
     let readings = [
+        (LightModel::LtcFormula, None, Reading::default(), [0, 1]),
         (LightModel::Normals, None, Reading::default(), [0, 1]),
         (LightModel::Ltc, Some(Layout::Reflected), Reading::default(), [5, 6]),
         (LightModel::Ltc, Some(Layout::Ltc2017), Reading { bound: Bound::Array, ..Reading::default() }, [3, 4]),
@@ -90,7 +92,7 @@ fn a_text_with_pictures_binds_and_reads_them() {
             };
             let name = language.name();
             let (with, without) = (text(Some(Readings::Six)), text(None));
-            let own = if model == LightModel::Ltc { "ltc" } else { "normals" };
+            let own = if model.is_of_ltcs() { "ltc" } else { "normals" };
             for function in [format!("{own}_textured_rectangle("), format!("{own}_profile_rectangle(")] {
                 assert!(code(&with).contains(&function) && !without.contains(&function), "{name}: {function}");
                 assert!(with.contains("// PICTURES ON LIGHTS") && with.contains(&format!("//   {function}")), "{name}");

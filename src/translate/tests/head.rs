@@ -66,11 +66,12 @@ fn spirv_holds_the_digest_of_its_source() {
 }
 
 /// Digests of each model's check. If a digest changes, the revision must be raised.
-const VALUES: [(&str, u32, &str); 6] = [
+const VALUES: [(&str, u32, &str); 7] = [
     ("ltc", 1, "18aa316e979f73bf"),
     ("normals fast", 1, "b8ca18c710360dd3"),
     ("normals balanced", 1, "fced0de5d0cb43dc"),
     ("normals fine", 1, "02934059c0b9e42b"),
+    ("ltc-formula", 1, "de1333866bd87f2a"),
     ("sg and asg", 1, "8b2ab91cc3f04ce4"),
     ("sg and asg by a table", 1, "a095c0d058a72397"),
 ];
@@ -80,7 +81,8 @@ fn the_values_of_a_revision_do_not_change() {
     let normals = |rule| lit_by(LightModel::Normals, None).by_rule(Some(rule)).expect("a rule");
     let [fast, balanced, fine] = [NormalsRule::Fast, NormalsRule::Balanced, NormalsRule::Fine].map(normals);
     let table = lit_by(LightModel::Asg, Some(Layout::Reflected));
-    let models = [Layout::Reflected.into(), fast, balanced, fine, lit_by(LightModel::Asg, None), table];
+    let [formula, asg] = [LightModel::LtcFormula, LightModel::Asg].map(|model| lit_by(model, None));
+    let models = [Layout::Reflected.into(), fast, balanced, fine, formula, asg, table];
     for (lit_by, (name, revision, values)) in models.into_iter().zip(VALUES) {
         let comment = lit_by.comment(Language::Wgsl);
         let found = digest(&comment[comment.find("CHECK").expect("a check")..]);

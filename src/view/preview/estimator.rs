@@ -50,7 +50,8 @@ impl Estimator {
     pub(super) fn is_of_polygons(self) -> bool {
         match self {
             Self::Table(lobe) => lobe.gaussian().is_some(),
-            other => matches!(other, Self::ClosedForm(_)),
+            Self::ClosedForm(form) => !form.model().is_of_ltcs(),
+            _ => false,
         }
     }
 

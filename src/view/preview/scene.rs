@@ -164,7 +164,8 @@ impl Scene {
         let rule = if self.shows(LightModel::Normals) { self.rule } else { usual.rule };
         let is_read = self.picture != ScenePicture::None && self.mode != Mode::Reference;
         let readings = if is_read { self.readings } else { usual.readings };
-        let cut = self.cut && self.mode != Mode::Lobe && self.shows(LightModel::Ltc);
+        let is_of_ltcs = LightModel::ALL.iter().any(|model| model.is_of_ltcs() && self.shows(*model));
+        let cut = self.cut && self.mode != Mode::Lobe && is_of_ltcs;
         match self.mode {
             Mode::Ltc => {
                 let Self { lobe, spp, difference_scale, .. } = usual;

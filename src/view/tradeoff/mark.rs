@@ -43,6 +43,7 @@ fn class(kind: Kind) -> String {
     match kind {
         Kind::Table(layout) => format!("layout{}", layout as usize),
         Kind::ClosedForm(LightModel::Normals) => "normals".to_owned(),
+        Kind::ClosedForm(LightModel::LtcFormula) => "formula".to_owned(),
         Kind::ClosedForm(_) => "gaussian".to_owned(),
     }
 }

@@ -69,7 +69,7 @@ pub fn text() -> Result<String, CostError> {
 pub(crate) fn programs() -> Vec<Program> {
     let tables = [LightModel::Ltc, LightModel::Sg, LightModel::Asg];
     let by_table = tables.iter().flat_map(|model| Layout::ALL.iter().map(|layout| LitBy::new(*model, Some(*layout))));
-    let by_formula = [LightModel::Sg, LightModel::Asg].map(|model| LitBy::new(model, None));
+    let by_formula = [LightModel::LtcFormula, LightModel::Sg, LightModel::Asg].map(|model| LitBy::new(model, None));
     let normals = NormalsRule::SHADED
         .map(|rule| LitBy::new(LightModel::Normals, None).and_then(|lit_by| lit_by.by_rule(Some(rule))));
     let texts = by_table.chain(by_formula).chain(normals).filter_map(Result::ok).map(of_text);
@@ -189,6 +189,10 @@ fn of_text(lit_by: LitBy) -> Program {
     return vec4({rectangle}(ltc_inverse(lobe.m), local.corners, false), lobe.amplitude, lobe.fresnel, 0.0);"
             )
         }
+        LightModel::LtcFormula => "let lobe = ltc_formula(alpha.x, alpha.y, local.wo, 1.0, 1.0);
+    let covered = ltc_rectangle(lobe.inverse, local.corners, false);
+    return vec4(covered, lobe.amplitude, lobe.fresnel, 0.0);"
+            .to_owned(),
         LightModel::Normals => "let view = normals_view(alpha.x, alpha.y, local.wo);
     return vec4(normals_rectangle(view, local.corners, false), 0.0, 0.0);"
             .to_owned(),
@@ -204,6 +208,7 @@ fn of_text(lit_by: LitBy) -> Program {
     let calls = if lit_by.additions().textured.is_some() { textured_calls(lit_by.model()).to_owned() } else { calls };
     let factor = match lit_by.model() {
         LightModel::Ltc => "ltc_compensation(lobe, vec3(0.9, 0.8, 0.7))",
+        LightModel::LtcFormula => "ltc_formula_compensation(alpha.x, alpha.y, local.wo, vec3(0.9, 0.8, 0.7))",
         LightModel::Normals => "normals_compensation(view, vec3(0.9, 0.8, 0.7))",
         LightModel::Sg | LightModel::Asg => "gaussians_compensation(alpha.x, alpha.y, local.wo, vec3(0.9, 0.8, 0.7))",
     };

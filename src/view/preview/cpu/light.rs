@@ -27,6 +27,11 @@ impl Inverse {
         Self { m: Mat3::from_cols(x * scale, y * scale, z * scale).transpose(), side }
     }
 
+    /// The inverse with these rows and a positive determinant.
+    pub(super) fn of_rows(rows: [[f32; 3]; 3]) -> Self {
+        Self { m: Mat3::from_cols_array_2d(&rows).transpose(), side: 1.0 }
+    }
+
     /// The part of the distribution that the light covers, as seen from `position`. `to_local` transforms into the
     /// tangent frame at `position`.
     pub(super) fn covered(&self, light: &FrameLight, position: Vec3, to_local: Mat3) -> f32 {

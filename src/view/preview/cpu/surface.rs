@@ -17,8 +17,9 @@ use crate::preview::{
 };
 use ltcforge_fit::{BrdfKind, SecondLobe, Sides};
 use ltcforge_light::{
-    ClosedForm, Gaussian, LitPoint, albedo,
+    ClosedForm, Gaussian, LightModel, LitPoint, albedo,
     gaussians::{self, SphericalGaussian},
+    ltc::FormulaLobe,
 };
 
 const POLE: f32 = 1e-4;
@@ -152,8 +153,11 @@ fn coloured_by(frame: &Frame, m: Mat3, at: &Shaded) -> Vec3 {
 }
 
 fn covered_by(frame: &Frame, m: Mat3, at: &Shaded) -> f32 {
+    covered_by_inverse(frame, &Inverse::of(m), at)
+}
+
+fn covered_by_inverse(frame: &Frame, inverse: &Inverse, at: &Shaded) -> f32 {
     let to_local = Mat3::from_cols(at.x, at.y, at.z).transpose();
-    let inverse = Inverse::of(m);
     if frame.is_cut {
         inverse.covered_above(&frame.light, at.position, to_local)
     } else {
@@ -177,6 +181,12 @@ fn around(frame: &Frame, at: &Shaded) -> (Vec<[f32; 3]>, Sides) {
 }
 
 fn by_closed_form(frame: &Frame, form: ClosedForm, at: &Shaded) -> Vec3 {
+    if form.model() == LightModel::LtcFormula {
+        let f0 = frame.f0.dot(Vec3::splat(1.0 / 3.0));
+        let lobe = FormulaLobe::new(at.alpha.to_array(), at.wo.to_array(), [f0, 1.0]);
+        let covered = covered_by_inverse(frame, &Inverse::of_rows(lobe.space.rows()), at);
+        return reflected(frame, Vec2::from(lobe.parts) * covered, || albedo_of(at));
+    }
     if let Some(picture) = &frame.picture {
         return reflected_colours(frame, textured::by_normals(frame, picture, form.rule(), at), || albedo_of(at));
     }

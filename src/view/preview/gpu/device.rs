@@ -55,13 +55,19 @@ impl Program {
             (_, LightModel::Normals) if has_picture => "picture_by_normals",
             (_, LightModel::Ltc) => "surface_by_table",
             (_, LightModel::Normals) => "surface_by_normals",
+            (_, LightModel::LtcFormula) => "surface_by_formula",
             (_, LightModel::Sg | LightModel::Asg) => "surface_by_gaussian",
         };
         let is_of_polygons = estimator.is_of_polygons();
         // Estimators for polygons replace an ellipse by a polygon.
         let is_flat = matches!(frame.light.shape, FrameShape::Polygon | FrameShape::Ellipse(_));
         let shape = if estimator.is_lobe() || (is_flat && is_of_polygons) { 0 } else { frame.light.shape.number() };
-        let is_cut = frame.is_cut && matches!(estimator, Estimator::Table(LobeModel::Ltc) | Estimator::TwoLobes(_));
+        let is_cut = frame.is_cut
+            && match estimator {
+                Estimator::Table(lobe) => lobe == LobeModel::Ltc,
+                Estimator::ClosedForm(form) => form.model().is_of_ltcs(),
+                _ => matches!(estimator, Estimator::TwoLobes(_)),
+            };
         let gaussian = if model == LightModel::Asg { Gaussian::Asg } else { Gaussian::Sg };
         let second_lobe = match estimator {
             Estimator::TwoLobes(SecondLobe::Integrated) => 1.0,

@@ -18,6 +18,7 @@ use ltcforge_light::{
     CosineSpace, Gaussian, LightModel,
     cases::{Draw, Lit, Roughness},
     gaussians::{self, SgLight},
+    ltc::FormulaLobe,
     normals::{NormalsRule, reflected},
 };
 use ltcforge_shaders::{Bound, CASES, CORNERS, Case, Golden, Language, LitBy, SG_LIGHT, TOLERANCE, golden_table};
@@ -58,14 +59,13 @@ pub(super) struct ExampleLight {
 
 impl ExampleLight {
     /// The part of an LTC that the light covers, in f64.
-    fn covered(&self, ltc: &Ltc, sides: Sides) -> f64 {
-        let space = CosineSpace::from(ltc);
+    fn covered(&self, space: &CosineSpace<f64>, sides: Sides) -> f64 {
         match (self.count, &self.given[..]) {
             (0, [centre, x, y]) => space.ellipse(*centre, [*x, *y], sides),
             (1, [centre]) => space.sphere(*centre, self.size),
             (2, [start, end]) => space.tube([*start, *end], self.size),
             (9, [start, end]) => space.line([*start, *end], self.size),
-            _ => ltc.polygon(&self.outline, sides),
+            _ => space.polygon(&self.outline, sides),
         }
     }
 }
@@ -134,7 +134,7 @@ fn the_exported_shader_agrees_with_f64() {
             let Golden { matrix, amplitude, fresnel, .. } = case.golden(layout);
             let sides = if two_sided { Sides::Two } else { Sides::One };
             let ltc = Ltc::new(from_row_major(&matrix)).expect("a regular matrix");
-            let covered = light.covered(&ltc, sides);
+            let covered = light.covered(&CosineSpace::from(&ltc), sides);
             let what = format!("{layout:?} {case:?} {} vertices, {two_sided}", light.count);
             for (row, column) in (0..9).map(|k| (k / 3, k % 3)) {
                 let (found, expected) = (f64::from(found[4 * column + row]), matrix[3 * row + column]);
@@ -169,7 +169,7 @@ fn the_cheap_horizon_does_not_change_tubes_and_lines() {
     let mut lit = 0.0;
     for ((case, light), found) in tried.into_iter().zip(found) {
         let ltc = Ltc::new(from_row_major(&case.golden(Layout::Reflected).matrix)).expect("a regular matrix");
-        let covered = light.covered(&ltc, Sides::One);
+        let covered = light.covered(&CosineSpace::from(&ltc), Sides::One);
         assert!((f64::from(found[14]) - covered).abs() < TOLERANCE, "{case:?}: {} {covered}", found[14]);
         lit += covered;
     }
@@ -211,6 +211,38 @@ fn the_shader_without_a_table_agrees_with_f64() {
         }
         assert!(lit > 10, "{lit}");
     }
+}
+
+/// Runs the files of an LTC without a table on the GPU, with every kind of light, lit from one side and from both sides.
+#[test]
+fn the_shader_of_a_formula_agrees_with_f64() {
+    let wgsl = port(Language::Wgsl, lit_by(LightModel::LtcFormula, None)).expect("WGSL");
+    let wgsl = String::from_utf8(wgsl).expect("UTF-8");
+    let mut lights = example_lights();
+    lights.extend(round_lights());
+    let mut tried = Vec::new();
+    for (case, light) in CASES.iter().flat_map(|case| lights.iter().map(move |light| (case, light))) {
+        tried.extend([false, true].map(|two_sided| (case, light, two_sided)));
+    }
+    let words: Vec<[f32; 40]> =
+        tried.iter().map(|(case, light, two_sided)| case_words(case, light, *two_sided)).collect();
+    let found: Vec<[f32; 4]> = match example::run(&wgsl, "ltc_formula_example", None, &words) {
+        Ok(found) => found,
+        Err(GpuFailure::Absent(reason)) => return report_skipped(&reason),
+        Err(error) => panic!("{error}"),
+    };
+    let mut lit = 0;
+    for ((case, light, two_sided), found) in tried.into_iter().zip(found) {
+        let sides = if two_sided { Sides::Two } else { Sides::One };
+        let lobe = FormulaLobe::new([case.alpha_x, case.alpha_y], case.wo, [1.0; 2]);
+        let covered = light.covered(&lobe.space, sides);
+        for (found, part) in found.into_iter().zip(lobe.parts) {
+            let (what, expected) = (format!("{case:?} {} vertices, {two_sided}", light.count), part * covered);
+            assert!((f64::from(found) - expected).abs() < TOLERANCE, "{what}: {found}, not {expected}");
+        }
+        lit += usize::from(covered > 0.05);
+    }
+    assert!(lit > 10, "{lit}");
 }
 
 /// A light for spherical Gaussians.

@@ -65,7 +65,7 @@ fn compare<Found: Pod + AsRef<[f32]>>(lit_by: LitBy) -> Option<usize> {
     let table = table.as_ref().map(|table| (table, Bound::Volumes));
     let mut lights = example_lights();
     match lit_by.model() {
-        LightModel::Ltc => lights.extend(round_lights()),
+        LightModel::Ltc | LightModel::LtcFormula => lights.extend(round_lights()),
         LightModel::Sg | LightModel::Asg => lights.push(sg_light()),
         LightModel::Normals => {}
     }
@@ -107,7 +107,7 @@ fn compare<Found: Pod + AsRef<[f32]>>(lit_by: LitBy) -> Option<usize> {
 #[test]
 fn programs_without_a_table_agree_with_the_wgsl() {
     let rules = NormalsRule::SHADED.map(|rule| lit_by(LightModel::Normals, None).by_rule(Some(rule)).expect("a rule"));
-    for lit_by in rules.into_iter().chain([lit_by(LightModel::Asg, None)]) {
+    for lit_by in rules.into_iter().chain([lit_by(LightModel::LtcFormula, None), lit_by(LightModel::Asg, None)]) {
         let Some(lit) = compare::<[f32; 4]>(lit_by) else { return };
         assert!(lit > 20, "{lit_by:?}: {lit}");
     }

@@ -1,0 +1,280 @@
+//! An LTC of anisotropic GGX by a formula, without a table. `docs/formula.md` derives it.
+//!
+//! A light direction `w` and a view `o` have the half vector `h ~ w + |w| o`. Stretched by `A^-1`, GGX's visible normals
+//! are nearly a clamped cosine around the middle one, `c`. The map from `w` to the stretched normal is linear except for
+//! `|w|`. `rho . w` replaces `|w|`: its tangent at the direction `r` in which `c` reflects the view.
+//!
+//! ```text
+//! M^-1 = U R^T A^-1 (I + o rho^T),   A = diag(alpha_x, alpha_y, 1),   R: the least rotation from z to c
+//! ```
+//!
+//! `U` and the corrections of `rho` are small polynomials. Their numbers come from a search (`ltcforge-studies --
+//! formula`).
+
+mod numbers;
+
+use super::CosineSpace;
+use crate::{
+    NormalsRule,
+    normals::view::View,
+    rules::{Formula, LitPoint, ModelOfLight},
+};
+use ltcforge_fit::math::{Scalar, Triple, cross, dot, plus, scaled, unit};
+
+pub use numbers::NUMBERS;
+
+/// The numbers that a polynomial may multiply in pairs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Feature {
+    /// The number one.
+    One,
+    /// The larger roughness.
+    Larger,
+    /// The smaller roughness.
+    Smaller,
+    /// The roughness along the axis of the row.
+    Axis,
+    /// The view's height in the space where the surface is a hemisphere.
+    Mu,
+    /// The length of the stretched view.
+    Length,
+    /// The angle of incidence at the middle normal, as a cosine.
+    Cosine,
+    /// The weight of shadowing, G2 / G1, at `r`.
+    Weight,
+    /// The height of `r` in the space where the surface is a hemisphere.
+    Rise,
+    /// The part of a material's light that Schlick's factor reflects.
+    Share,
+}
+
+/// Number of features.
+const FEATURES: usize = 10;
+
+/// The polynomials, in the order of their numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Polynomial {
+    /// The logarithm of the stretch of a row of `U`.
+    Stretch,
+    /// The tilt of a row of `U`.
+    Tilt,
+    /// The stretch of `U` along the plane of `c`.
+    Along,
+    /// The last row of `U`.
+    Row,
+    /// A factor on `rho`, minus one, by the larger roughness.
+    Swell,
+    /// A part of `rho` along z, by the larger roughness.
+    Lift,
+    /// The factor of the squared weight in the amplitude, minus one.
+    Amplitude,
+    /// The factor of one minus the weight in the amplitude.
+    Lost,
+    /// The angle of incidence in Schlick's factor.
+    Incidence,
+}
+
+use Feature::{Axis, Cosine, Larger, Length, Mu, One, Rise, Share, Smaller, Weight};
+
+impl Polynomial {
+    /// All polynomials, in the order of their numbers.
+    pub const ALL: [Self; 9] = [
+        Self::Stretch,
+        Self::Tilt,
+        Self::Along,
+        Self::Row,
+        Self::Swell,
+        Self::Lift,
+        Self::Amplitude,
+        Self::Lost,
+        Self::Incidence,
+    ];
+
+    /// The products of features that the polynomial adds, each with a number.
+    #[must_use]
+    pub const fn products(self) -> &'static [[Feature; 2]] {
+        match self {
+            Self::Stretch => &[[Axis, Axis], [Axis, Mu], [Axis, Smaller], [Axis, One], [Axis, Share]],
+            Self::Tilt => {
+                &[[Axis, Axis], [Mu, Smaller], [Mu, One], [Cosine, Length], [Cosine, Rise], [Rise, One], [Share, One]]
+            }
+            Self::Along => {
+                &[[Larger, Larger], [Larger, One], [Mu, Mu], [Weight, One], [Rise, One], [Share, Rise], [Share, One]]
+            }
+            Self::Row => &[[One, One], [Larger, One], [Mu, One], [Length, Cosine], [Length, One], [Weight, One]],
+            Self::Swell => &[
+                [Larger, Length],
+                [Larger, Cosine],
+                [Smaller, Length],
+                [Smaller, One],
+                [Mu, Cosine],
+                [Length, Rise],
+                [Length, One],
+                [Share, Cosine],
+            ],
+            Self::Lift => &[[Mu, Mu], [Cosine, Weight], [Cosine, One], [Rise, Rise], [Share, Cosine], [Share, One]],
+            Self::Amplitude => &[
+                [Larger, Larger],
+                [Larger, Smaller],
+                [Larger, Cosine],
+                [Smaller, Smaller],
+                [Smaller, Mu],
+                [Smaller, Length],
+                [Smaller, Cosine],
+                [Smaller, Rise],
+                [Smaller, One],
+                [Length, Length],
+                [Cosine, Cosine],
+            ],
+            Self::Lost => &[[Larger, Weight], [One, One]],
+            Self::Incidence => &[[Mu, Mu], [Mu, Rise], [Mu, One], [Rise, Rise], [One, One]],
+        }
+    }
+
+    /// The index of its first number.
+    #[must_use]
+    pub const fn start(self) -> usize {
+        let (mut i, mut start) = (0, 0);
+        while Self::ALL[i] as usize != self as usize {
+            start += Self::ALL[i].products().len();
+            i += 1;
+        }
+        start
+    }
+}
+
+/// Number of numbers.
+pub const COUNT: usize = Polynomial::Incidence.start() + Polynomial::Incidence.products().len();
+
+/// The features of a surface and view.
+struct Features<T>([T; FEATURES]);
+
+impl<T: Scalar> Features<T> {
+    fn at(&self, feature: Feature) -> T {
+        self.0[feature as usize]
+    }
+
+    fn with(mut self, feature: Feature, value: T) -> Self {
+        self.0[feature as usize] = value;
+        self
+    }
+
+    fn sum(&self, polynomial: Polynomial, numbers: &[f64; COUNT]) -> T {
+        let products = polynomial.products().iter().zip(&numbers[polynomial.start()..]);
+        products.fold(T::ZERO, |sum, ([a, b], number)| sum + T::of(*number) * self.at(*a) * self.at(*b))
+    }
+}
+
+/// The lobe of a surface seen from one direction.
+#[derive(Debug, Clone, Copy)]
+pub struct FormulaLobe<T> {
+    /// The map to the space of the clamped cosine.
+    pub space: CosineSpace<T>,
+    /// The reflected part of uniform light: for a Fresnel factor of one, and weighted by Schlick's factor.
+    pub parts: [T; 2],
+}
+
+impl<T: Scalar> FormulaLobe<T> {
+    /// The lobe of a material with reflectance `f0` at normal and `f90` at grazing incidence. Equal numbers give the lobe
+    /// for a Fresnel factor of one. Domain: `alpha` in [1e-5, 1]; `wo` of unit length with `z > 0`.
+    #[must_use]
+    pub fn new(alpha: [T; 2], wo: Triple<T>, fresnel: [T; 2]) -> Self {
+        Self::by(&NUMBERS, alpha, wo, fresnel)
+    }
+
+    /// The lobe with other numbers.
+    #[must_use]
+    pub fn by(numbers: &[f64; COUNT], alpha: [T; 2], wo: Triple<T>, [f0, f90]: [T; 2]) -> Self {
+        let view = View::new(alpha, wo);
+        let mu = wo[2] / view.length;
+        let stretched = scaled(view.stretched, T::ONE / view.length);
+        let c = unit([stretched[0], stretched[1], stretched[2] + T::ONE]);
+        let h = unit([alpha[0] * c[0], alpha[1] * c[1], c[2]]);
+        let cosine = dot(wo, h);
+        let r = plus(scaled(h, cosine + cosine), scaled(wo, -T::ONE));
+        let up = r[2].max(T::of(1e-4));
+        let image = [alpha[0] * r[0], alpha[1] * r[1], r[2]];
+        let rise = up / dot(image, image).sqrt();
+        let weight = (T::ONE + mu) * rise / (rise + mu);
+        let larger = alpha[0].max(alpha[1]);
+        let mut features = Features([T::ZERO; FEATURES])
+            .with(One, T::ONE)
+            .with(Larger, larger)
+            .with(Smaller, alpha[0].min(alpha[1]))
+            .with(Mu, mu)
+            .with(Length, view.length)
+            .with(Cosine, cosine)
+            .with(Weight, weight)
+            .with(Rise, rise);
+        let sum = |features: &Features<T>, polynomial| features.sum(polynomial, numbers);
+        let kept = weight * weight * (T::ONE + sum(&features, Polynomial::Amplitude));
+        let amplitude = (kept + (T::ONE - weight) * sum(&features, Polynomial::Lost)).max(T::ZERO).min(T::ONE);
+        let incidence = (sum(&features, Polynomial::Incidence) - cosine).max(T::ZERO).min(T::ONE);
+        let square = incidence * incidence;
+        let schlick = amplitude * (square * square * incidence);
+        let weighed = (f90 - f0).max(T::ZERO) * schlick;
+        features = features.with(Share, weighed / (f0 * amplitude + weighed).max(T::of(1e-30)));
+
+        let swell = T::ONE + larger * sum(&features, Polynomial::Swell);
+        let lift = larger * sum(&features, Polynomial::Lift) * (T::ONE - c[2]);
+        let mut rho = scaled(r, swell);
+        rho[2] = rho[2] + lift;
+        // The determinant is a multiple of 1 + rho . o. Without corrections, it is 2 cosine^2.
+        let lacking = cosine * cosine - (T::ONE + dot(rho, wo));
+        let rho = plus(rho, scaled(wo, lacking.max(T::ZERO)));
+        // The columns of R; the third is c.
+        let k = T::ONE / (T::ONE + c[2]);
+        let xy = -(c[0] * c[1] * k);
+        let columns = [[T::ONE - c[0] * c[0] * k, xy, -c[0]], [xy, T::ONE - c[1] * c[1] * k, -c[1]]];
+        let [along, last] = [Polynomial::Along, Polynomial::Row].map(|polynomial| sum(&features, polynomial));
+        let upper = |axis: usize| {
+            let features = Features(features.0).with(Axis, alpha[axis]);
+            let tilt = c[axis] * sum(&features, Polynomial::Tilt);
+            let mut row = [along * c[axis] * c[0], along * c[axis] * c[1], tilt];
+            row[axis] = row[axis] + sum(&features, Polynomial::Stretch).exp();
+            row
+        };
+        let u = [upper(0), upper(1), [last * c[0], last * c[1], T::ONE]];
+        let rows = u.map(|[x, y, z]| {
+            let [x, y, z] = plus(plus(scaled(columns[0], x), scaled(columns[1], y)), scaled(c, z));
+            let row = [x / alpha[0], y / alpha[1], z];
+            plus(row, scaled(rho, dot(row, wo)))
+        });
+        // The determinant of the rows would be lost in rounding errors for sharp lobes.
+        let determinant = dot(u[2], cross(u[0], u[1])) / (alpha[0] * alpha[1]) * (T::ONE + dot(rho, wo));
+        Self { space: CosineSpace::with_determinant(rows, determinant), parts: [amplitude, schlick] }
+    }
+}
+
+/// The model as an item of [`crate::LightModel`].
+pub(crate) struct FormulaModel;
+
+impl ModelOfLight for FormulaModel {
+    fn formula(&self) -> Option<&dyn Formula> {
+        Some(self)
+    }
+}
+
+impl Formula for FormulaModel {
+    fn cost(&self) -> u32 {
+        7
+    }
+
+    fn lobe(&self, alpha: [f64; 2], wo: Triple<f64>, fresnel: [f64; 2]) -> Option<FormulaLobe<f64>> {
+        Some(FormulaLobe::new(alpha, wo, fresnel))
+    }
+
+    fn reflected(&self, lit: &LitPoint<'_, f64>, _: NormalsRule) -> [f64; 2] {
+        reflected(lit)
+    }
+
+    fn reflected_f32(&self, lit: &LitPoint<'_, f32>, _: NormalsRule) -> [f32; 2] {
+        reflected(lit)
+    }
+}
+
+fn reflected<T: Scalar>(lit: &LitPoint<'_, T>) -> [T; 2] {
+    let lobe = FormulaLobe::new(lit.alpha, lit.wo, [T::ONE; 2]);
+    let covered = lobe.space.polygon(lit.vertices, lit.sides);
+    lobe.parts.map(|part| part * covered)
+}
