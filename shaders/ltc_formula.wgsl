@@ -20,7 +20,7 @@ fn ltc_formula(alpha_x: f32, alpha_y: f32, wo: vec3<f32>, f0: f32, f90: f32) -> 
     let per_size = inverseSqrt(dot(stretched, stretched));
     let size = dot(stretched, stretched) * per_size;
     let mu = wo.z * per_size;
-    // The middle one of the visible normals, stretched (c) and not (h), and the direction r in which h reflects the view.
+    // The middle one of the visible normals, stretched (c) and not (h). h reflects the view to r.
     let c = normalize(vec3(stretched.xy * per_size, mu + 1.0));
     let h = normalize(vec3(a * c.xy, c.z));
     let d = dot(wo, h);
