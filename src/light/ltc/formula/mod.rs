@@ -11,16 +11,14 @@
 //! `U` and the corrections of `rho` are small polynomials. Their numbers come from a search (`ltcforge-studies --
 //! formula`).
 
+mod model;
 mod numbers;
 
 use super::CosineSpace;
-use crate::{
-    NormalsRule,
-    normals::view::View,
-    rules::{Formula, LitPoint, ModelOfLight},
-};
+use crate::normals::view::View;
 use ltcforge_fit::math::{Scalar, Triple, cross, dot, plus, scaled, unit};
 
+pub(crate) use model::FormulaModel;
 pub use numbers::NUMBERS;
 
 /// The numbers that a polynomial may multiply in pairs.
@@ -244,37 +242,4 @@ impl<T: Scalar> FormulaLobe<T> {
         let determinant = dot(u[2], cross(u[0], u[1])) / (alpha[0] * alpha[1]) * (T::ONE + dot(rho, wo));
         Self { space: CosineSpace::with_determinant(rows, determinant), parts: [amplitude, schlick] }
     }
-}
-
-/// The model as an item of [`crate::LightModel`].
-pub(crate) struct FormulaModel;
-
-impl ModelOfLight for FormulaModel {
-    fn formula(&self) -> Option<&dyn Formula> {
-        Some(self)
-    }
-}
-
-impl Formula for FormulaModel {
-    fn cost(&self) -> u32 {
-        7
-    }
-
-    fn lobe(&self, alpha: [f64; 2], wo: Triple<f64>, fresnel: [f64; 2]) -> Option<FormulaLobe<f64>> {
-        Some(FormulaLobe::new(alpha, wo, fresnel))
-    }
-
-    fn reflected(&self, lit: &LitPoint<'_, f64>, _: NormalsRule) -> [f64; 2] {
-        reflected(lit)
-    }
-
-    fn reflected_f32(&self, lit: &LitPoint<'_, f32>, _: NormalsRule) -> [f32; 2] {
-        reflected(lit)
-    }
-}
-
-fn reflected<T: Scalar>(lit: &LitPoint<'_, T>) -> [T; 2] {
-    let lobe = FormulaLobe::new(lit.alpha, lit.wo, [T::ONE; 2]);
-    let covered = lobe.space.polygon(lit.vertices, lit.sides);
-    lobe.parts.map(|part| part * covered)
 }
