@@ -171,6 +171,11 @@ const NORMALS_CALL: &str = "
     vec3 corners[4] = vec3[4](vec3(-1, -1, 1), vec3(-1, 1, 1), vec3(1, 1, 1), vec3(1, -1, 1));
     colour = vec4(normals_rectangle(view, corners, true), 0.0, 1.0);
 ";
+const FORMULA_CALL: &str = "
+    LtcFormula lobe = ltc_formula(0.4, 0.2, normalize(vec3(place, 1.0)), 0.04, 1.0);
+    vec3 corners[4] = vec3[4](vec3(-1, -1, 1), vec3(-1, 1, 1), vec3(1, 1, 1), vec3(1, -1, 1));
+    colour = vec4(ltc_rectangle(lobe.inverse, corners, true) * lobe.amplitude);
+";
 const GAUSSIANS_CALL: &str = "
     GaussiansView view = gaussians_view(1u, 0.4, 0.2, normalize(vec3(place, 1.0)));
     vec3 corners[4] = vec3[4](vec3(-1, -1, 1), vec3(-1, 1, 1), vec3(1, 1, 1), vec3(1, -1, 1));
@@ -195,6 +200,11 @@ const NORMALS_CALL_HLSL: &str = "
     float3 corners[4] = { float3(-1, -1, 1), float3(-1, 1, 1), float3(1, 1, 1), float3(1, -1, 1) };
     return float4(normals_rectangle(view, corners, true), 0.0, 1.0);
 ";
+const FORMULA_CALL_HLSL: &str = "
+    LtcFormula lobe = ltc_formula(0.4, 0.2, normalize(float3(place, 1.0)), 0.04, 1.0);
+    float3 corners[4] = { float3(-1, -1, 1), float3(-1, 1, 1), float3(1, 1, 1), float3(1, -1, 1) };
+    return (ltc_rectangle(lobe.inverse, corners, true) * lobe.amplitude).xxxx;
+";
 const GAUSSIANS_CALL_HLSL: &str = "
     GaussiansView view = gaussians_view(1u, 0.4, 0.2, normalize(float3(place, 1.0)));
     float3 corners[4] = { float3(-1, -1, 1), float3(-1, 1, 1), float3(1, 1, 1), float3(1, -1, 1) };
@@ -215,6 +225,7 @@ const READINGS: [&[&str]; 4] =
 fn calls_of(lit_by: &[&str]) -> [&'static str; 2] {
     match lit_by {
         ["--layout", _] => [TABLE_CALL, TABLE_CALL_HLSL],
+        [_, "ltc-formula"] => [FORMULA_CALL, FORMULA_CALL_HLSL],
         [_, "normals", ..] => [NORMALS_CALL, NORMALS_CALL_HLSL],
         [_, _, "--layout", _] => [GAUSSIANS_TABLE_CALL, GAUSSIANS_TABLE_CALL_HLSL],
         _ => [GAUSSIANS_CALL, GAUSSIANS_CALL_HLSL],
