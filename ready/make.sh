@@ -28,6 +28,7 @@ done
 export_as "$isotropic" "$out/isotropic" ltc2017 ktx2
 
 for language in glsl hlsl msl wgsl; do
+	"$ltcforge" shader --language "$language" --model ltc-formula --lights rectangles -o "$out/ltc_formula.$language"
 	for rule in fast balanced; do
 		"$ltcforge" shader --language "$language" --model normals --rule "$rule" -o "$out/normals_$rule.$language"
 	done

@@ -42,6 +42,10 @@ pub const LTC_FORMULA_COMPENSATION: &str = include_str!("ltc_formula_compensatio
 pub const LTC_FORMULA_EXAMPLE: &str = include_str!("ltc_formula_example.wgsl");
 /// `ltc_function.wgsl`.
 pub const LTC_FUNCTION: &str = include_str!("ltc_function.wgsl");
+/// `ltc_inverse.wgsl`.
+pub const LTC_INVERSE: &str = include_str!("ltc_inverse.wgsl");
+/// `ltc_rectangle.wgsl`.
+pub const LTC_RECTANGLE: &str = include_str!("ltc_rectangle.wgsl");
 /// `ltc_light.wgsl`.
 pub const LTC_LIGHT: &str = include_str!("ltc_light.wgsl");
 /// `ltc_lookup.wgsl`.

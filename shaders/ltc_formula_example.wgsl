@@ -10,7 +10,8 @@ struct LtcExampleCase {
     /// line.
     light: vec4<f32>,
     /// xyz: the vertices relative to the shaded point, in the tangent frame. For a disk: centre and both half axes. For
-    /// a sphere: its centre. For a tube or line: both ends.
+    /// a sphere: its centre. For a tube or line: both ends. w of the first: f0, the reflectance at normal incidence. At
+    /// grazing incidence it is 1.
     vertices: array<vec4<f32>, 8>,
 }
 
@@ -20,7 +21,7 @@ struct LtcExampleCase {
 
 @compute @workgroup_size(1)
 fn ltc_formula_example() {
-    let lobe = ltc_formula(ltc_case.wo.w, ltc_case.light.x, ltc_case.wo.xyz, 1.0, 1.0);
+    let lobe = ltc_formula(ltc_case.wo.w, ltc_case.light.x, ltc_case.wo.xyz, ltc_case.vertices[0].w, 1.0);
     let inverse = lobe.inverse;
     let count = u32(ltc_case.light.y);
     let two_sided = ltc_case.light.z == 1.0;

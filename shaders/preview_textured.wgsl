@@ -15,9 +15,8 @@ fn corners_of(at: Shaded) -> array<vec3<f32>, 4> {
     );
 }
 
-/// The covered part of the lobe of matrix m, times the mean colour of the picture in this lobe.
-fn covered_picture(m: mat3x3<f32>, at: Shaded) -> vec3<f32> {
-    let inverse = ltc_inverse(m);
+/// The covered part of the lobe, times the mean colour of the picture in this lobe.
+fn covered_picture(inverse: LtcInverse, at: Shaded) -> vec3<f32> {
     let textured = ltc_textured_rectangle(inverse, corners_of(at), light.options.y == 1u, 0u, light.radiance.w);
         // Weights may overflow, but only for matrices that no fit produces.
     let colour = select(vec3(0.0), textured.colour, textured.colour < vec3(1e30));
@@ -31,7 +30,7 @@ fn covered_picture(m: mat3x3<f32>, at: Shaded) -> vec3<f32> {
 fn shade_picture_by_table(at: Shaded) -> vec3<f32> {
     if (second_lobe == SECOND_NONE) {
         let lobe = ltc_lookup(at.alpha.x, at.alpha.y, at.wo);
-        let covered = covered_picture(lobe.m, at);
+        let covered = covered_picture(ltc_inverse(lobe.m), at);
         return reflected_colours(lobe.amplitude * covered, lobe.fresnel * covered, lobe.amplitude);
     }
     let lobes = ltc_lookup_both(at.alpha.x, at.alpha.y, at.wo);
@@ -39,10 +38,10 @@ fn shade_picture_by_table(at: Shaded) -> vec3<f32> {
     if (second_lobe == SECOND_BLENDED) {
         first = ltc_blend(lobes, dot(scene.f0.xyz, vec3(1.0 / 3.0)), 1.0);
     }
-    let covered = covered_picture(first, at);
+    let covered = covered_picture(ltc_inverse(first), at);
     var of_fresnel = covered;
     if (second_lobe == SECOND_INTEGRATED) {
-        of_fresnel = covered_picture(lobes.second, at);
+        of_fresnel = covered_picture(ltc_inverse(lobes.second), at);
     }
     let amplitude = lobes.first.amplitude;
     return reflected_colours(amplitude * covered, lobes.first.fresnel * of_fresnel, amplitude);

@@ -149,7 +149,11 @@ fn shade_by_table(at: Shaded) -> vec3<f32> {
 fn shade_by_formula(at: Shaded) -> vec3<f32> {
     let f0 = dot(scene.f0.xyz, vec3(1.0 / 3.0));
     let lobe = ltc_formula(at.alpha.x, at.alpha.y, at.wo, f0, 1.0);
-    return reflected(vec2(lobe.amplitude, lobe.fresnel) * covered_by_inverse(lobe.inverse, at), albedo_of(at));
+    if (light_has_picture) {
+        let covered = covered_picture(lobe.inverse, at);
+        return reflected_colours(lobe.amplitude * covered, lobe.fresnel * covered, lobe.amplitude);
+    }
+    return reflected(vec2(lobe.amplitude, lobe.fresnel) * covered_by_inverse(lobe.inverse, at), lobe.amplitude);
 }
 
 /// The part of the lobe of matrix m that the light covers.

@@ -34,7 +34,7 @@ pub struct LightArgs {
     /// The folder of tables
     #[command(flatten)]
     pub folder: TableFolder,
-    /// Cut the light and the lobe at the surface (models of LTCs)
+    /// Cut the light and the lobe at the surface (ltc, ltc-formula)
     ///
     /// Without it, an LTC reflects some light from below the surface, like the default shader
     #[arg(long)]

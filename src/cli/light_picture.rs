@@ -22,6 +22,7 @@ pub(super) struct Picture {
     image: LightImage,
     pyramid: Option<([usize; 2], LightPyramid)>,
     number: Readings,
+    model: LightModel,
     rule: NormalsRule,
     used: TableUse,
     fresnel: [f64; 2],
@@ -36,8 +37,8 @@ impl Picture {
         if args.light != LightShape::Polygon {
             faults.push(format!("needs rectangles, not {}: leave out --light", args.light));
         }
-        if !matches!(args.model, LightModel::Normals | LightModel::Ltc) {
-            faults.push(format!("needs model normals or ltc, not {}", args.model));
+        if !args.model.has_pictures() {
+            faults.push(format!("needs model {}, not {}", LightModel::names_of(LightModel::has_pictures), args.model));
         }
         for (name, is_given) in [("--f82", args.f82.is_some()), ("--blend", args.blend)] {
             if is_given {
@@ -55,13 +56,14 @@ impl Picture {
             image: read_picture(path)?,
             pyramid: None,
             number,
+            model: args.model,
             rule: args.rule.unwrap_or(NormalsRule::ALL[0]),
             used: TableUse { cut: args.cut, blend: false },
             fresnel: args.f0.map_or([1.0; 2], |f0| [f0, args.f90]),
         }))
     }
 
-    /// The reflected light of each channel, by the table or by model `normals`.
+    /// The reflected light of each channel, by the table or by a model without a table.
     pub(super) fn reflected(
         &mut self,
         table: Option<&Table>,
@@ -76,6 +78,9 @@ impl Picture {
         let Some((_, pyramid)) = &self.pyramid else { return Err(LightError::NoRectangle) };
         let found = match table {
             Some(table) => light.by_table(table, at, pyramid, (self.used, self.number))?,
+            None if self.model == LightModel::LtcFormula => {
+                light.by_formula(at, pyramid, (self.fresnel, self.used, self.number))?
+            }
             None => light.by_normals(at, pyramid, (self.rule, self.number))?,
         };
         Ok(self.with_fresnel(&found))

@@ -39,7 +39,7 @@ pub struct ShaderArgs {
     /// Read the second lobe of a `two_lobes` or `blended_lobes` table
     #[arg(long)]
     pub two_lobes: bool,
-    /// Lights to include functions for, in models of LTCs [default: all]
+    /// Lights to include functions for, in models ltc and ltc-formula [default: all]
     #[arg(long, value_parser = named(Lights::ALL, Lights::name))]
     pub lights: Option<Lights>,
     /// Functions to add.
@@ -80,7 +80,7 @@ pub struct ShaderArgs {
 /// Options that add functions to a text to include.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct AdditionArgs {
-    /// Add functions that cut lights at the surface (models of LTCs)
+    /// Add functions that cut lights at the surface (ltc, ltc-formula)
     #[arg(long)]
     pub cut: bool,
     /// Add the factor that replaces light lost between facets (metals)

@@ -7,7 +7,7 @@ use super::{
     normals::NormalsRule,
     rules::{Formula, LitPoint, ModelOfLight, ReflectedLight, lit, surface_and_view},
 };
-use ltcforge_fit::{BrdfKind, BrdfModel, Configuration, LobeModel, Table, named_list};
+use ltcforge_fit::{BrdfKind, BrdfModel, Configuration, LobeModel, Table, brdf::edge_of_parts, named_list};
 
 named_list! {
     /// The method that computes the light reflected by a surface.
@@ -83,10 +83,16 @@ impl LightModel {
         rules.iter().filter_map(move |rule| self.closed_form(Some(*rule)))
     }
 
-    /// True if the model integrates LTCs. They are exact for every shape, and can be cut at the surface.
+    /// True for models based on LTCs. They integrate every shape exactly and support `cut`.
     #[must_use]
     pub fn is_of_ltcs(self) -> bool {
         matches!(self, Self::Ltc | Self::LtcFormula)
+    }
+
+    /// True for models that light surfaces by rectangles with pictures.
+    #[must_use]
+    pub fn has_pictures(self) -> bool {
+        self.is_of_ltcs() || self == Self::Normals
     }
 
     /// The cost of a pixel of a preview with the formula, in samples of its reference. For a model without a formula it
@@ -137,7 +143,7 @@ impl ClosedForm {
         (!self.model.rule_choices().is_empty()).then_some(self.rule)
     }
 
-    /// The same model, with lights and lobes that end at the surface. Only LTCs let light through from below.
+    /// Sets whether lobe and light are clipped at the surface. No effect on models that are not LTCs.
     #[must_use]
     pub fn with_cut(self, cut: bool) -> Self {
         Self { cut, ..self }
@@ -157,7 +163,7 @@ impl ClosedForm {
         self.reflected_by(at, light.into(), [1.0, 1.0])
     }
 
-    /// The light that a material with Schlick's Fresnel factor reflects. An LTC by a formula is shaped for the material.
+    /// The light that a material with Schlick's Fresnel factor reflects. `ltc-formula` shapes its lobe for this material.
     ///
     /// # Errors
     /// The errors of [`ClosedForm::reflected`].
@@ -185,11 +191,22 @@ impl ClosedForm {
         lit(at, light, |lit| formula.reflected(lit, self.rule))
     }
 
+    /// The amplitude of the lobe; `None` for a model that is not an LTC.
+    fn amplitude(self, at: &Configuration) -> Result<Option<f64>, LightError> {
+        let (alpha, wo) = surface_and_view(at)?;
+        let lobe = self.model.rules().formula().and_then(|formula| formula.lobe(alpha, wo.to_array(), [1.0; 2]));
+        Ok(lobe.map(|lobe| lobe.parts[0]))
+    }
+
     /// The light weighted by F82's edge weight: see [`ReflectedLight::metal`].
     ///
     /// # Errors
     /// The errors of [`ClosedForm::reflected`].
     pub fn edge<'a>(self, at: &Configuration, light: impl Into<AreaLight<'a>>) -> Result<f64, LightError> {
+        if self.model.is_of_ltcs() {
+            let ReflectedLight { energy, fresnel } = self.reflected(at, light)?;
+            return Ok(edge_of_parts([energy, fresnel]));
+        }
         let formula = self.model.rules().formula();
         let of = |lit: &LitPoint<'_, f64>| [formula.map_or(0.0, |formula| formula.edge(lit, self.rule)), 0.0];
         lit(at, light.into(), of).map(|found| found.energy)
@@ -252,16 +269,18 @@ impl Lighting<'_> {
         }
     }
 
-    /// The part of uniform light that is reflected, for a Fresnel factor of one. It is a table's amplitude. For
-    /// formulas and tables of Gaussians it is [`albedo`](super::albedo::albedo), because the amplitude of a Gaussian
-    /// covers its whole plane.
+    /// The part of uniform light that is reflected, for a Fresnel factor of one. For LTCs it is the amplitude. For the
+    /// other models it is [`albedo`](super::albedo::albedo), because the amplitude of a Gaussian covers its whole plane.
     ///
     /// # Errors
     /// [`LightError::NoFacets`] for a table of a scattering model without facets, [`LightError::NoTerms`], and
     /// [`LightError::Domain`] as for [`Self::reflected`].
     pub fn albedo(self, at: &Configuration) -> Result<f64, LightError> {
         let ggx = albedo::of_ggx(at)?;
-        let Some(table) = self.table() else { return Ok(ggx) };
+        let table = match self {
+            Self::Table(table, _) => table,
+            Self::ClosedForm(form) => return Ok(form.amplitude(at)?.unwrap_or(ggx)),
+        };
         albedo::check(&table.brdf)?;
         if table.lobe.gaussian().is_some() {
             return Ok(ggx);

@@ -39,8 +39,8 @@ pub(crate) trait Formula: Sync {
     /// The cost of a pixel, in samples of the preview's reference.
     fn cost(&self) -> u32;
 
-    /// The LTC of a material with this reflectance at normal and at grazing incidence, if the formula is one. It is then
-    /// integrated over every shape exactly.
+    /// The LTC for this reflectance at normal and at grazing incidence; `None` if the model is not an LTC. An LTC is
+    /// integrated exactly over every shape.
     fn lobe(&self, _alpha: [f64; 2], _wo: Triple<f64>, _fresnel: [f64; 2]) -> Option<FormulaLobe<f64>> {
         None
     }

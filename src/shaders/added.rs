@@ -5,11 +5,12 @@ use ltcforge_light::LightModel;
 
 const CUT: &str = "\
 LIGHT FROM BELOW
-  ltc_cut_rectangle, ltc_cut_polygon{shapes} take the same arguments.
+  ltc_cut_rectangle{shapes}: same arguments.
       Their lobes end at the surface, so no light shines through from below. Without the cut, up to a fifth of a light
       below the surface shines through.
 ";
-const CUT_SHAPES: &str = ", ltc_cut_disk, ltc_cut_sphere, ltc_cut_tube, ltc_cut_line";
+const CUT_POLYGONS: &str = ", ltc_cut_polygon";
+const CUT_SHAPES: &str = ", ltc_cut_polygon, ltc_cut_disk, ltc_cut_sphere, ltc_cut_tube, ltc_cut_line";
 
 const COMPENSATION: &str = "\
 ENERGY
@@ -21,6 +22,7 @@ ENERGY
 const POLYGONS_CUT: &str =
     "    let cut = ltc_cut_rectangle(inverse, corners, true) + ltc_cut_polygon(inverse, vertices, 4u, true);
 ";
+const RECTANGLES_CUT: &str = "    let cut = ltc_cut_rectangle(inverse, corners, true);\n";
 const SHAPES_CUT: &str = "    let cut_disk = ltc_cut_disk(inverse, vertices[0], vertices[1], vertices[2], true);
     let cut_sphere = ltc_cut_sphere(inverse, vertices[0], 1.0);
     let cut_tube = ltc_cut_tube(inverse, vertices[0], vertices[1], 1.0);
@@ -31,9 +33,7 @@ const SHAPES_CUT: &str = "    let cut_disk = ltc_cut_disk(inverse, vertices[0], 
 fn compensation(model: LightModel) -> (&'static str, &'static [&'static str]) {
     match model {
         LightModel::Ltc => ("ltc_compensation(lobe, f0)", &["ltc_compensation"]),
-        LightModel::LtcFormula => {
-            ("ltc_formula_compensation(alpha_x, alpha_y, wo, f0)", &["ltc_albedo", "ltc_formula_compensation"])
-        }
+        LightModel::LtcFormula => ("ltc_formula_compensation(lobe, f0)", &["ltc_formula_compensation"]),
         LightModel::Normals => ("normals_compensation(view, f0)", &["ltc_albedo", "normals_compensation"]),
         LightModel::Sg | LightModel::Asg => {
             ("gaussians_compensation(alpha_x, alpha_y, wo, f0)", &["ltc_albedo", "gaussians_compensation"])
@@ -48,6 +48,7 @@ impl LitBy {
         let cut: &[&str] = match (cut, lights) {
             (false, _) => &[],
             (true, Lights::Polygons) => &["ltc_cut"],
+            (true, Lights::Rectangles) => &["ltc_light", "ltc_cut"],
             (true, Lights::All) => &["ltc_cut", "ltc_cut_shapes"],
         };
         [cut, if compensate { compensation(self.model()).1 } else { &[] }].concat()
@@ -60,6 +61,7 @@ impl LitBy {
         let mut calls = match (cut, lights) {
             (false, _) => String::new(),
             (true, Lights::Polygons) => POLYGONS_CUT.to_owned(),
+            (true, Lights::Rectangles) => RECTANGLES_CUT.to_owned(),
             (true, Lights::All) => [POLYGONS_CUT, SHAPES_CUT].concat(),
         };
         if compensate {
@@ -79,7 +81,11 @@ impl LitBy {
         let Additions { cut, compensate, .. } = self.additions();
         let mut about = String::new();
         if cut {
-            let shapes = if lights == Lights::All { CUT_SHAPES } else { "" };
+            let shapes = match lights {
+                Lights::All => CUT_SHAPES,
+                Lights::Polygons => CUT_POLYGONS,
+                Lights::Rectangles => "",
+            };
             about += &CUT.replace("{shapes}", shapes);
             about += "\n";
         }

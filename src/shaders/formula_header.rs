@@ -15,8 +15,9 @@ use ltcforge_light::ltc::FormulaLobe;
 pub(super) const SHADER: ModelShader = ModelShader {
     prefix: "ltc",
     functions: |lights| match lights {
-        Lights::All => &["ltc_math", "ltc_light", "ltc_shapes", "ltc_formula"],
-        Lights::Polygons => &["ltc_light", "ltc_formula"],
+        Lights::All => &["ltc_math", "ltc_rectangle", "ltc_light", "ltc_shapes", "ltc_formula"],
+        Lights::Polygons => &["ltc_rectangle", "ltc_light", "ltc_formula"],
+        Lights::Rectangles => &["ltc_rectangle", "ltc_formula"],
     },
     example: "ltc_formula_example",
     caller: |_, lights| {
@@ -30,7 +31,7 @@ pub(super) const SHADER: ModelShader = ModelShader {
 };
 
 /// The revision. It is raised when the values of the check change.
-const REVISION: u32 = 1;
+const REVISION: u32 = 2;
 
 /// The first part of the comment: description and functions.
 const ABOUT: &str = "\
@@ -45,8 +46,7 @@ FUNCTIONS
 /// How to use the functions of the shader text.
 const USE: &str = "
 USE
-  Call ltc_formula once for a point and view, then one function for each light, with its inverse. Isotropic surfaces
-  have alpha_x = alpha_y. There are no bindings.
+  Call ltc_formula once for a point and view, then a function for each light.
 ";
 
 /// The description of the example program.
@@ -56,7 +56,8 @@ const EXAMPLE: &str = "\
 EXAMPLE
   Case: 10 x vec4 of f32. First wo and alpha_x. Second alpha_y; shape of the light (3 to 8 for a polygon of so many
   vertices, 0 disk, 1 sphere, 2 tube, 9 line); 1 if both sides emit, else 0; radius or width. Then eight vertices, each
-  followed by 0. For a disk: centre, half_x, half_y. For a sphere: its centre. For a tube or line: both ends.
+  followed by 0. For a disk: centre, half_x, half_y. For a sphere: its centre. For a tube or line: both ends. The first
+  is followed by f0; f90 is 1.
   Result: a vec4 of f32, the two parts and 0, 0.
 ";
 

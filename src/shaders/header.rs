@@ -25,8 +25,9 @@ pub(super) const SHADER: ModelShader = ModelShader {
 /// The files with the functions that integrate an LTC over lights.
 pub(super) fn light_files(lights: Lights) -> &'static [&'static str] {
     match lights {
-        Lights::All => &["ltc_math", "ltc_light", "ltc_shapes"],
-        Lights::Polygons => &["ltc_light"],
+        Lights::All => &["ltc_math", "ltc_inverse", "ltc_rectangle", "ltc_light", "ltc_shapes"],
+        Lights::Polygons => &["ltc_inverse", "ltc_rectangle", "ltc_light"],
+        Lights::Rectangles => &["ltc_inverse", "ltc_rectangle"],
     }
 }
 
@@ -40,11 +41,12 @@ pub fn table_caller(two_lobes: bool, lights: Lights) -> String {
 
 /// The calls of every function for lights.
 pub(super) fn lights_called(lights: Lights) -> String {
-    let (shapes, parts) = match lights {
-        Lights::All => (SHAPES_CALLED, "disk + sphere, long"),
-        Lights::Polygons => ("", "0.0, 0.0"),
+    let (calls, parts) = match lights {
+        Lights::All => ([SHAPES_CALLED, POLYGONS_CALLED], "disk + sphere, long"),
+        Lights::Polygons => (["", POLYGONS_CALLED], "0.0, 0.0"),
+        Lights::Rectangles => (["", RECTANGLES_CALLED], "0.0, 0.0"),
     };
-    format!("{shapes}{POLYGONS_CALLED}    return vec4(polygon, {parts}, lobe.fresnel);\n")
+    format!("{}    return vec4(polygon, {parts}, lobe.fresnel);\n", calls.concat())
 }
 
 const BLEND_CALLED: &str = "let blend = ltc_blend(ltc_lookup_both(0.5, 0.5, vec3(0.0, 0.0, 1.0)), 0.04, 1.0);
@@ -56,6 +58,7 @@ const SHAPES_CALLED: &str = "    let disk = ltc_disk(inverse, vertices[0], verti
 const POLYGONS_CALLED: &str =
     "    let polygon = ltc_rectangle(inverse, corners, true) + ltc_polygon(inverse, vertices, 4u, true);
 ";
+const RECTANGLES_CALLED: &str = "    let polygon = ltc_rectangle(inverse, corners, true);\n";
 
 /// The revision. It is raised when the values of the check change.
 const REVISION: u32 = 1;
@@ -91,8 +94,15 @@ pub fn functions_of(lights: Lights) -> &'static str {
     match lights {
         Lights::All => LIGHTS,
         Lights::Polygons => POLYGONS,
+        Lights::Rectangles => RECTANGLES,
     }
 }
+
+const RECTANGLES: &str = "  ltc_inverse(M)                    the inverse up to a factor, for all lights at the point.
+  ltc_rectangle(inverse, corners, two_sided)  the part of the lobe that a rectangle or parallelogram covers, 0 to 1.
+      Corners are relative to the shaded point, in the tangent frame, clockwise as seen from the side that emits.
+  Light of radiance L arrives as L (f0 (amplitude - fresnel) + f90 fresnel) covered.
+";
 
 const POLYGONS: &str = "  ltc_inverse(M)                    the inverse up to a factor, for all lights at the point.
   ltc_rectangle(inverse, corners, two_sided), ltc_polygon(inverse, vertices, count, two_sided)

@@ -144,8 +144,10 @@ named_list! {
     pub enum Lights {
         /// Polygons, disks, spheres, tubes and lines.
         All = "all",
-        /// Only rectangles and polygons. The text is two fifths shorter.
+        /// Only rectangles and polygons.
         Polygons = "polygons",
+        /// Only rectangles, without the cheap horizon. The shortest text.
+        Rectangles = "rectangles",
     }
 }
 

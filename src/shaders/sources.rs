@@ -19,7 +19,7 @@ pub struct Shader {
 }
 
 /// Every shader except the parts of layouts. Each shader follows the shaders that it needs.
-pub const SHADERS: [Shader; 49] = [
+pub const SHADERS: [Shader; 51] = [
     Shader { name: "ltc_math", source: ltcforge_wgsl::LTC_MATH },
     Shader { name: "ltc_quadrant", source: ltcforge_wgsl::LTC_QUADRANT },
     Shader { name: "texels_volumes", source: ltcforge_wgsl::TEXELS_VOLUMES },
@@ -32,6 +32,8 @@ pub const SHADERS: [Shader; 49] = [
     Shader { name: "ltc_lookup_among", source: ltcforge_wgsl::LTC_LOOKUP_AMONG },
     Shader { name: "ltc_lookup_round", source: ltcforge_wgsl::LTC_LOOKUP_ROUND },
     Shader { name: "ltc_two_lobes", source: ltcforge_wgsl::LTC_TWO_LOBES },
+    Shader { name: "ltc_inverse", source: ltcforge_wgsl::LTC_INVERSE },
+    Shader { name: "ltc_rectangle", source: ltcforge_wgsl::LTC_RECTANGLE },
     Shader { name: "ltc_light", source: ltcforge_wgsl::LTC_LIGHT },
     Shader { name: "ltc_shapes", source: ltcforge_wgsl::LTC_SHAPES },
     Shader { name: "ltc_formula", source: ltcforge_wgsl::LTC_FORMULA },
@@ -74,11 +76,12 @@ pub const SHADERS: [Shader; 49] = [
 /// The parts that read a table in volumes.
 const TABLE: [&str; 4] = ["ltc_quadrant", "texels_volumes", "ltc_table", "ltc_lookup"];
 
-/// The named shaders as one text, ordered as in [`SHADERS`].
+/// The named shaders as one text, ordered as in [`SHADERS`]. Without `ltc_light`, the exact rectangle is the only one.
 #[must_use]
 pub fn joined(names: &[&str]) -> String {
     let sources: Vec<&str> = SHADERS.iter().filter(|s| names.contains(&s.name)).map(|shader| shader.source).collect();
-    sources.join("\n")
+    let text = sources.join("\n");
+    if names.contains(&"ltc_light") { text } else { text.replace("ltc_exact_rectangle", "ltc_rectangle") }
 }
 
 /// The named shaders as one module that reads tables of these layouts.
@@ -276,11 +279,21 @@ mod tests {
         validate(&["ltc_math"]);
         validate(&TABLE);
         validate(&["ltc_quadrant", "texels_array", "ltc_table", "ltc_lookup"]);
-        validate(&["ltc_light"]);
-        validate(&["ltc_math", "ltc_light", "ltc_shapes"]);
-        validate(&["ltc_light", "ltc_cut"]);
-        validate(&["ltc_math", "ltc_light", "ltc_shapes", "ltc_cut", "ltc_cut_shapes"]);
-        validate(&["ltc_quadrant", "texels_volumes", "ltc_table", "ltc_lookup", "ltc_light"]);
+        validate(&["ltc_rectangle", "ltc_light"]);
+        validate(&["ltc_rectangle"]);
+        validate(&["ltc_inverse", "ltc_rectangle"]);
+        validate(&["ltc_math", "ltc_rectangle", "ltc_light", "ltc_shapes"]);
+        validate(&["ltc_rectangle", "ltc_light", "ltc_cut"]);
+        validate(&["ltc_math", "ltc_rectangle", "ltc_light", "ltc_shapes", "ltc_cut", "ltc_cut_shapes"]);
+        validate(&[
+            "ltc_quadrant",
+            "texels_volumes",
+            "ltc_table",
+            "ltc_lookup",
+            "ltc_inverse",
+            "ltc_rectangle",
+            "ltc_light",
+        ]);
         validate(&["ltc_quadrant", "texels_array", "ltc_table", "ltc_lookup", "ltc_two_lobes"]);
         let layouts = [None, Some(Layout::Reflected)];
         for lit_by in
@@ -291,7 +304,7 @@ mod tests {
             validate(&functions);
             validate(&[&functions[..], &[lit_by.shader().example]].concat());
         }
-        validate(&["ltc_math", "ltc_light", "ggx_reference", "light_picture", "reference_solids"]);
+        validate(&["ltc_math", "ltc_rectangle", "ltc_light", "ggx_reference", "light_picture", "reference_solids"]);
         for rule in NormalsRule::SHADED {
             validate(normals_files(rule));
         }

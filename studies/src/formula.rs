@@ -16,7 +16,7 @@ use ltcforge::{
 use glam::DVec3;
 use rayon::prelude::*;
 
-pub use ltcforge::light::ltc::formula::NUMBERS;
+pub use ltcforge::light::ltc::formula::COEFFICIENTS;
 
 use crate::{
     draw::Draw,
@@ -48,7 +48,7 @@ const OF_SCHLICK: f64 = 0.5;
 /// The kinds in the search, and their weights.
 const KINDS: [(Kind, f64); 13] = [
     (Kind::Random, 4.0),
-    (Kind::Anisotropic, 3.0),
+    (Kind::Anisotropic, 5.0),
     (Kind::Huge, 2.0),
     (Kind::Extreme, 0.5),
     (Kind::NearHorizon, 0.5),
@@ -105,7 +105,7 @@ fn truth(case: &Case) -> [f64; 3] {
     [case.truth[0], case.truth[1], plastic(case.truth)]
 }
 
-/// What the objective looks at.
+/// A training case: a light or a lobe.
 enum Lesson {
     /// A light.
     Light(Case),
@@ -138,7 +138,7 @@ fn loss(x: f64) -> f64 {
     x.hypot(NEGLIGIBLE) - NEGLIGIBLE + LARGE * x * x
 }
 
-/// Half the slope of the loss, divided by the residual.
+/// The slope of the loss, divided by the residual.
 fn importance(x: f64) -> f64 {
     1.0 / x.hypot(NEGLIGIBLE) + 2.0 * LARGE
 }
@@ -242,17 +242,14 @@ fn solved(mut matrix: Vec<Vec<f64>>, right: &[f64]) -> Option<Vec<f64>> {
     Some(x)
 }
 
-/// The numbers without corrections: a middle normal's reflection, and half of the lost light.
+/// Starting coefficients: no corrections; half of the shadowed light is kept.
 fn start() -> [f64; COUNT] {
     let mut numbers = [0.0; COUNT];
     let mut set = |polynomial: Polynomial, product: [Feature; 2], value| {
         let at = polynomial.products().iter().position(|other| *other == product);
-        if let Some(at) = at {
-            numbers[polynomial.start() + at] = value;
-        }
+        numbers[polynomial.start() + at.expect("a term of the polynomial")] = value;
     };
-    set(Polynomial::Lost, [Feature::One; 2], 0.5);
-    set(Polynomial::Incidence, [Feature::One; 2], 1.0);
+    set(Polynomial::Incidence, [Feature::Weight, Feature::One], 1.0);
     numbers
 }
 
@@ -288,7 +285,7 @@ pub fn find(options: &Options) -> Found {
     }
     let numbers = numbers.map(rounded);
     let [training, held_out] =
-        [training, held_out].map(|cases| [&NUMBERS, &numbers].map(|numbers| objective(numbers, &cases)));
+        [training, held_out].map(|cases| [&COEFFICIENTS, &numbers].map(|numbers| objective(numbers, &cases)));
     Found { numbers, training, held_out }
 }
 
@@ -304,7 +301,7 @@ fn rounded(x: f64) -> f64 {
 /// The numbers as written in `src/light/ltc/formula/numbers.rs`.
 #[must_use]
 pub fn as_rust(numbers: &[f64; COUNT]) -> String {
-    let mut out = "pub const NUMBERS: [f64; COUNT] = [".to_owned();
+    let mut out = "pub const COEFFICIENTS: [f64; COUNT] = [".to_owned();
     let mut length = LINE;
     for number in numbers.map(|number| format!("{number:?},")) {
         let is_full = length + 1 + number.len() > LINE;
@@ -363,8 +360,8 @@ fn name(polynomial: Polynomial) -> &'static str {
         Polynomial::Row => "row",
         Polynomial::Swell => "swell",
         Polynomial::Lift => "lift",
-        Polynomial::Amplitude => "kept",
-        Polynomial::Lost => "lost",
+        Polynomial::ByLarger => "by_larger",
+        Polynomial::BySmaller => "by_smaller",
         Polynomial::Incidence => "incidence",
     }
 }

@@ -224,7 +224,7 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
             }
         }
         Study::Formula { current: true, .. } => {
-            print!("{}", formula::by_kind(1, 4000, &[("current", &formula::NUMBERS)]));
+            print!("{}", formula::by_kind(1, 4000, &[("current", &formula::COEFFICIENTS)]));
         }
         Study::Formula { lights, steps, seed, .. } => {
             let found = formula::find(&formula::Options { lights, steps, seed });
@@ -232,7 +232,7 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
             for (name, [current, found]) in [("training", found.training), ("held out", found.held_out)] {
                 println!("{name:16}  {current:.6}  {found:.6}");
             }
-            let candidates = [("current", &formula::NUMBERS), ("found", &found.numbers)];
+            let candidates = [("current", &formula::COEFFICIENTS), ("found", &found.numbers)];
             println!("\n{}", formula::by_kind(1, 4000, &candidates));
             println!("{}\n{}", formula::as_rust(&found.numbers), formula::as_wgsl(&found.numbers));
         }

@@ -13,7 +13,7 @@ use ltcforge_studies::{
     tabulated::{self, grouped},
 };
 
-const NUMBERS: &str = include_str!("../../src/light/normals/numbers.rs");
+const COEFFICIENTS: &str = include_str!("../../src/light/normals/numbers.rs");
 /// The shaders of the rules, ordered as [`NormalsRule::SHADED`].
 const SHADERS: [&str; 3] = [
     include_str!("../../shaders/normals_balanced.wgsl"),
@@ -35,7 +35,7 @@ fn the_numbers_of_networks_are_printed_as_in_the_sources() {
         let (units, outputs) = (networks::units(rule), networks::outputs(rule));
         assert_eq!((numbers.units.len(), numbers.outputs.len()), (units, outputs), "{rule}");
         for text in [numbers.as_rust(rule), numbers.as_wgsl(rule)] {
-            assert!(NUMBERS.contains(&text) || shader.contains(&text), "{text}");
+            assert!(COEFFICIENTS.contains(&text) || shader.contains(&text), "{text}");
         }
     }
 }
@@ -44,9 +44,13 @@ fn the_numbers_of_networks_are_printed_as_in_the_sources() {
 #[test]
 fn the_formula_of_an_ltc_is_printed_as_in_the_sources() {
     let numbers = include_str!("../../src/light/ltc/formula/numbers.rs");
-    assert!(numbers.contains(&formula::as_rust(&formula::NUMBERS)), "{}", formula::as_rust(&formula::NUMBERS));
+    assert!(
+        numbers.contains(&formula::as_rust(&formula::COEFFICIENTS)),
+        "{}",
+        formula::as_rust(&formula::COEFFICIENTS)
+    );
     let shader = include_str!("../../shaders/ltc_formula.wgsl");
-    let polynomials = formula::as_wgsl(&formula::NUMBERS);
+    let polynomials = formula::as_wgsl(&formula::COEFFICIENTS);
     for polynomial in polynomials.split_inclusive(";\n") {
         assert!(shader.contains(polynomial), "{polynomial}");
     }

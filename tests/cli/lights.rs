@@ -330,6 +330,11 @@ fn light_prints_the_channels_of_a_picture() {
     let output: Value = serde_json::from_str(output.lines().next().expect("a line")).expect("JSON");
     assert_eq!(output["red"].as_f64(), Some(found[0][2]));
 
+    let formula = rows(&with(&["tv.png", "--model", "ltc-formula", "--cut"]).exited(0).stdout);
+    for (by_formula, by_normals) in formula.iter().zip(&found) {
+        assert!((0..5).all(|i| (by_formula[i] - by_normals[i]).abs() < 0.02), "{by_formula:?} {by_normals:?}");
+    }
+
     // Compensation applies the same factor to each channel as to the whole light, also in truth.
     let [once, all] =
         [&["tv.png", "--f0", "0.8", "--truth"][..], &["tv.png", "--f0", "0.8", "--truth", "--compensate"]]
@@ -347,7 +352,11 @@ fn light_prints_the_channels_of_a_picture() {
         refused.stderr
     );
     let refused = with(&["tv.png", "--light", "sphere", "--model", "sg"]).exited(2);
-    assert!(refused.stderr.contains("leave out --light; needs model normals or ltc, not sg"), "{}", refused.stderr);
+    assert!(
+        refused.stderr.contains("leave out --light; needs model normals, ltc and ltc-formula, not sg"),
+        "{}",
+        refused.stderr
+    );
     fs::write(folder.path().join("no.png"), "no picture").expect("a file");
     assert!(with(&["no.png"]).exited(1).stderr.contains("no.png: this file is not a readable image"));
     let triangle = "0.5,0.5,0,0,2,-1,-1,2,1,-1,2,0,1,2\n";

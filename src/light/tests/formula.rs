@@ -3,11 +3,10 @@
 use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec3};
-use rayon::prelude::*;
 
 use crate::{
     ClosedForm, EVERYWHERE, LightModel, Lighting, RandomLights, ShapedLight,
-    cases::{Draw, Lit, Roughness, jump},
+    cases::{Draw, Lit, Roughness},
     light_error,
     ltc::FormulaLobe,
     material_error,
@@ -22,7 +21,7 @@ fn energy(lit: &Lit) -> f64 {
     form().reflected(&lit.at, &lit.light(Sides::Two)).expect("a surface").energy
 }
 
-/// Limits a tenth above the figures of docs/formula.md.
+/// Limits a tenth above the measured errors.
 #[test]
 fn random_lights_are_off_by_half_a_percent_and_plastics_by_three() {
     let lights = RandomLights::draw(&BrdfKind::Ggx.into(), &EVERYWHERE, 1500).expect("ranges of a table");
@@ -30,8 +29,8 @@ fn random_lights_are_off_by_half_a_percent_and_plastics_by_three() {
     let metal = light_error(formula, &lights).expect("a surface");
     let plastic = material_error(formula, &lights, 0.04).expect("a surface").mean / lights.mean_reflected(0.04);
     println!("metal {metal:?}, plastic {plastic}");
-    assert!(metal.mean < 0.0061 && metal.p95 < 0.026, "{metal:?}");
-    assert!(plastic < 0.037, "{plastic}");
+    assert!(metal.mean < 0.0058 && metal.p95 < 0.0253, "{metal:?}");
+    assert!(plastic < 0.0297, "{plastic}");
 }
 
 /// Mirrored scenes, scenes with x and y exchanged, and lights whose corners are listed in another order are equal.
@@ -82,10 +81,12 @@ fn lobes_of_extremes_are_finite_and_do_not_mirror() {
         for f0 in [1.0, 0.04, 0.0] {
             let double = FormulaLobe::new(alpha, wo, [f0, 1.0]);
             let single = FormulaLobe::new(alpha.map(|x| x as f32), wo.map(|x| x as f32), [f0 as f32, 1.0]);
-            for (determinant, parts) in [
-                (double.space.determinant(), double.parts),
-                (f64::from(single.space.determinant()), single.parts.map(f64::from)),
+            let rows = single.space.rows().map(|row| row.map(f64::from));
+            for (rows, determinant, parts) in [
+                (double.space.rows(), double.space.determinant(), double.parts),
+                (rows, f64::from(single.space.determinant()), single.parts.map(f64::from)),
             ] {
+                assert!(rows.as_flattened().iter().all(|x| x.is_finite()), "{alpha:?} {wo:?} {f0}: {rows:?}");
                 assert!(determinant > 0.0 && determinant.is_finite(), "{alpha:?} {wo:?} {f0}: {determinant}");
                 assert!(
                     (0.0..=1.0).contains(&parts[0]) && (0.0..=parts[0]).contains(&parts[1]),
@@ -113,31 +114,18 @@ fn single_precision_is_enough() {
     }
 }
 
-/// Lights turn about the shaded point, while the view sinks and the surface turns.
+/// White metal under a closed ceiling reflects all light, because the compensation divides by the lobe's amplitude.
 #[test]
-fn nothing_jumps_along_random_paths() {
-    for roughness in [Roughness::All, Roughness::Anisotropic, Roughness::Extreme] {
-        let most = |seed: u64| {
-            let mut draw = Draw::new(3200 + seed);
-            let lit = draw.lit_by(roughness, [0.05, 50.0]);
-            let (axis, angle, phi) = (draw.vector().normalize(), draw.within(-1.0, 1.0), draw.within(-1.0, 1.0));
-            let theta = draw.within(0.0, 1.5);
-            jump(|t| {
-                let mut moved = lit.clone();
-                let turn = DQuat::from_axis_angle(axis, angle * (t - 0.5));
-                moved.vertices.iter_mut().for_each(|v| *v = turn * *v);
-                moved.at.phi += 0.1 * phi * t;
-                moved.at.theta += (theta - lit.at.theta) * 0.1 * t;
-                energy(&moved)
-            })
-        };
-        let most = (0..1000).into_par_iter().map(most).reduce(|| 0.0, f64::max);
-        println!("{roughness:?}: jumps by {most:.1e} at most");
-        assert!(most < 1e-7, "{roughness:?}: {most}");
+fn compensated_white_metal_reflects_the_whole_sky() {
+    let sky = ShapedLight::ellipse(1e-3 * DVec3::Z, [1e3 * DVec3::X, 1e3 * DVec3::Y], Sides::Two).expect("a disk");
+    for at in Draw::many(315, 200, Roughness::All).iter().map(|lit| lit.at) {
+        let light = Lighting::ClosedForm(form().with_cut(true));
+        let reflected = light.reflected(&at, &sky).expect("a light").energy / light.albedo(&at).expect("an albedo");
+        assert!((reflected - 1.0).abs() < 1e-3, "{at:?}: {reflected}");
     }
 }
 
-/// Disks are integrated as they are, and the cut leaves no light from below the surface.
+/// Disks are integrated as they are, and the cut leaves no light from below the surface. F82's edge follows.
 #[test]
 fn shapes_are_exact_and_the_cut_hides_what_is_below() {
     let at = Configuration { alpha_x: 0.6, alpha_y: 0.3, theta: 1.3, phi: 0.4 };
@@ -156,4 +144,6 @@ fn shapes_are_exact_and_the_cut_hides_what_is_below() {
     let below = round(DVec3::new(-1.0, -0.4, -0.25), [0.24 * DVec3::Z, DVec3::new(-0.2, 0.5, 0.0)]);
     let [whole, cut] = [false, true].map(|cut| reflected(&below, cut));
     assert!(whole > 1e-4 && cut == 0.0, "{whole} {cut}");
+    let edges = [false, true].map(|cut| form().with_cut(cut).edge(&at, &below).expect("a light"));
+    assert!(edges[0] > 0.0 && edges[1] == 0.0, "{edges:?}");
 }

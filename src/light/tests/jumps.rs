@@ -1,10 +1,10 @@
-//! Tests that the closed form does not jump along random paths.
+//! Tests that closed forms do not jump along random paths.
 
 use glam::DQuat;
 use rayon::prelude::*;
 
+use crate::LightModel;
 use crate::cases::{Draw, Roughness, jump};
-use crate::{NormalsRule, by_normals};
 use ltcforge_fit::Sides;
 
 /// Lights turn about the shaded point. They rise and set, and their edges cross the mirror direction. At the same time
@@ -12,7 +12,8 @@ use ltcforge_fit::Sides;
 #[test]
 fn nothing_jumps_along_random_paths() {
     for roughness in [Roughness::All, Roughness::Anisotropic, Roughness::Extreme] {
-        for rule in NormalsRule::ALL {
+        let models = [LightModel::Normals, LightModel::LtcFormula];
+        for form in models.into_iter().flat_map(LightModel::closed_forms) {
             let most = |seed: u64| {
                 let mut draw = Draw::new(2000 + seed);
                 let lit = draw.lit_by(roughness, [0.05, 50.0]);
@@ -25,12 +26,12 @@ fn nothing_jumps_along_random_paths() {
                     moved.vertices.iter_mut().for_each(|v| *v = turn * *v);
                     moved.at.phi += 0.1 * phi * t;
                     moved.at.theta += (theta - lit.at.theta) * 0.1 * t;
-                    by_normals(&moved.at, &moved.light(Sides::Two), *rule).expect("a surface").energy
+                    form.reflected(&moved.at, &moved.light(Sides::Two)).expect("a surface").energy
                 })
             };
             let most = (0..1000).into_par_iter().map(most).reduce(|| 0.0, f64::max);
-            println!("{roughness:?}, {rule}: jumps by {most:.1e} at most");
-            assert!(most < 1e-7, "{roughness:?}, {rule}: {most}");
+            println!("{roughness:?}, {form:?}: jumps by {most:.1e} at most");
+            assert!(most < 1e-7, "{roughness:?}, {form:?}: {most}");
         }
     }
 }

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{
     CosineSpace, LightError, NormalsRule, PolygonLight,
-    ltc::{TableUse, by_table_as},
+    ltc::{FormulaLobe, TableUse, by_table_as, covered_in},
     normals::{self, View},
     rules::surface_and_view,
     truth::{texel_lights, truth_within},
@@ -142,6 +142,25 @@ impl TexturedLight {
             energy: first.map(|channel| light.energy * channel),
             fresnel: second.map(|channel| light.fresnel * channel),
         })
+    }
+
+    /// The light that GGX reflects, by an LTC without a table. The lobe is that of a material with this reflectance at
+    /// normal and at grazing incidence.
+    ///
+    /// # Errors
+    /// [`LightError::Domain`] as for [`Self::by_normals`].
+    pub fn by_formula(
+        &self,
+        at: &Configuration,
+        picture: &LightPyramid,
+        (fresnel, used, number): ([f64; 2], TableUse, Readings),
+    ) -> Result<TexturedReflection, LightError> {
+        let (alpha, wo) = surface_and_view(at)?;
+        let FormulaLobe { space, parts } = FormulaLobe::new(alpha, wo.to_array(), fresnel);
+        let covered = covered_in(space, (&self.0).into(), used.cut);
+        let colour = colour(&ltc_readings(&space, &self.corners(), number), picture);
+        let [energy, fresnel] = parts.map(|part| colour.map(|channel| part * covered * channel));
+        Ok(TexturedReflection { energy, fresnel })
     }
 
     /// The exact light that GGX reflects: the sum of the integrals over each texel, a rectangle of one colour.

@@ -130,3 +130,23 @@ fn a_text_with_pictures_binds_and_reads_them() {
         }
     }
 }
+
+/// The text for rectangles has no other lights, with and without the cut, and is short enough to paste: 9 KiB of GLSL.
+#[test]
+fn texts_for_rectangles_are_short() {
+    let text = |language, cut| {
+        let additions = Additions { cut, ..Additions::default() };
+        let lit_by = lit_by(LightModel::LtcFormula, None).with(additions).expect("an LTC");
+        include(language, lit_by, Reading::default(), Lights::Rectangles, &Namespace::default()).expect("a text")
+    };
+    for language in Language::ALL.iter().copied().filter(|language| language.has_includes()) {
+        let [short, cut] = [false, true].map(|cut| text(language, cut));
+        assert!(code(&short).contains("ltc_rectangle(") && code(&cut).contains("ltc_cut_rectangle("), "{language:?}");
+        assert!(!short.contains("ltc_polygon") && !short.contains("CHEAP_HORIZON"), "{language:?}");
+        println!("{}: {} bytes", language.name(), short.len());
+        assert!(short.len() < 9700, "{language:?}: {}", short.len());
+    }
+    let glsl = text(Language::Glsl, false);
+    let lobe = glsl.find("// An LTC of anisotropic GGX").expect("the lobe");
+    assert!(glsl.len() <= 9 * 1024 && glsl.len() - lobe <= 4 * 1024, "{} {}", glsl.len(), glsl.len() - lobe);
+}

@@ -31,7 +31,10 @@ pub enum PictureFault {
     #[error("needs light rectangle, got {0}: change the light or leave the picture out")]
     Shape(&'static str),
     /// The model does not support pictures.
-    #[error("needs model ltc or normals, got {0}: change the model or leave the picture out")]
+    #[error(
+        "needs model {models}, got {0}: change the model or leave the picture out",
+        models = LightModel::names_of(LightModel::has_pictures)
+    )]
     Model(LightModel),
 }
 
@@ -71,11 +74,10 @@ impl Scene {
     }
 
     fn picture_faults(&self) -> Vec<PictureFault> {
-        let lights = |model: &&LightModel| matches!(model, LightModel::Ltc | LightModel::Normals);
         if self.picture == ScenePicture::None || self.mode == Mode::Lobe {
             return Vec::new();
         }
-        let other = LightModel::ALL.iter().filter(|model| !lights(model) && self.shows(**model));
+        let other = LightModel::ALL.iter().filter(|model| !model.has_pictures() && self.shows(**model));
         let shape = (self.light.kind != LightKind::Rectangle).then(|| PictureFault::Shape(self.light.kind.name()));
         shape.into_iter().chain(other.map(|model| PictureFault::Model(*model))).collect()
     }
@@ -108,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn only_rectangles_and_two_models_support_pictures() {
+    fn only_rectangles_and_some_models_support_pictures() {
         let usual = NamedScene::Screen.scene();
         let refused = |scene: &Scene| scene.faults().iter().map(ToString::to_string).collect::<Vec<_>>();
         let light = Light { kind: LightKind::Tube, ..usual.light };
@@ -116,7 +118,7 @@ mod tests {
         let messages = [
             "spp must be between 1 and 4096, got 0",
             "light_picture needs light rectangle, got tube: change the light or leave the picture out",
-            "light_picture needs model ltc or normals, got sg: change the model or leave the picture out",
+            "light_picture needs model normals, ltc and ltc-formula, got sg: change the model or leave the picture out",
         ];
         assert_eq!(refused(&both), messages);
         // Parameters that a mode does not use cause no fault.

@@ -51,7 +51,7 @@ pub static PARAMETERS: [Parameter; 30] = [
     listed!("mode", "View of the scene", Mode::ALL, mode),
     listed!("model", "Model of light", LightModel::ALL, model),
     listed!("rule", "Rule of model normals: speed against accuracy", NormalsRule::SHADED, rule),
-    flag("cut", "Cut light and lobe of model ltc at the surface", |s| &mut s.cut),
+    flag("cut", "Cut light and lobe of an LTC at the surface", |s| &mut s.cut),
     flag("compensate", "Compensate multiple scattering of metals", |s| &mut s.compensate),
     whole("size", "Pixels per side of a panel", [64, 2048], |s| &mut s.size),
     whole("spp", "Samples per pixel of the reference", [1, 4096], |s| &mut s.spp),

@@ -42,7 +42,7 @@ pub struct Scene {
     pub model: LightModel,
     /// The rule of model `normals`.
     pub rule: NormalsRule,
-    /// Whether model `ltc` cuts the light and the lobe at the surface, so that no light comes from below the surface.
+    /// Whether an LTC cuts the light and the lobe at the surface, so that no light comes from below the surface.
     pub cut: bool,
     /// Whether the light that is lost between facets is added back, by the factor `1 + f0 (1 / albedo - 1)`.
     pub compensate: bool,

@@ -78,6 +78,7 @@ pub(crate) fn programs() -> Vec<Program> {
     let ways = EngineWay::ALL.iter().map(|way| of_way(*way));
     texts
         .chain(two)
+        .chain(of_plastic())
         .chain(by_choice())
         .chain(shapes())
         .chain(compensated())
@@ -85,6 +86,13 @@ pub(crate) fn programs() -> Vec<Program> {
         .chain(textured())
         .chain(ways)
         .collect()
+}
+
+/// The formula's shader with the terms for plastics.
+fn of_plastic() -> Option<Program> {
+    let Program { name, wgsl, table } = of_text(LitBy::new(LightModel::LtcFormula, None).ok()?);
+    let wgsl = wgsl.replacen("local.wo, 1.0, 1.0)", "local.wo, 0.04, 1.0)", 1);
+    Some(Program { name: format!("{name}, plastic"), wgsl, table })
 }
 
 /// Shaders for tables with their options: the cut at the surface, the cheap horizon, and both.
@@ -208,7 +216,7 @@ fn of_text(lit_by: LitBy) -> Program {
     let calls = if lit_by.additions().textured.is_some() { textured_calls(lit_by.model()).to_owned() } else { calls };
     let factor = match lit_by.model() {
         LightModel::Ltc => "ltc_compensation(lobe, vec3(0.9, 0.8, 0.7))",
-        LightModel::LtcFormula => "ltc_formula_compensation(alpha.x, alpha.y, local.wo, vec3(0.9, 0.8, 0.7))",
+        LightModel::LtcFormula => "ltc_formula_compensation(lobe, vec3(0.9, 0.8, 0.7))",
         LightModel::Normals => "normals_compensation(view, vec3(0.9, 0.8, 0.7))",
         LightModel::Sg | LightModel::Asg => "gaussians_compensation(alpha.x, alpha.y, local.wo, vec3(0.9, 0.8, 0.7))",
     };

@@ -1,14 +1,14 @@
 //! An LTC of anisotropic GGX by a formula, without a table. `docs/formula.md` derives it.
 //!
 //! A light direction `w` and a view `o` have the half vector `h ~ w + |w| o`. Stretched by `A^-1`, GGX's visible normals
-//! are nearly a clamped cosine around the middle one, `c`. The map from `w` to the stretched normal is linear except for
+//! are nearly a clamped cosine around the central visible normal `c`. The map from `w` to the stretched normal is linear except for
 //! `|w|`. `rho . w` replaces `|w|`: its tangent at the direction `r` in which `c` reflects the view.
 //!
 //! ```text
 //! M^-1 = U R^T A^-1 (I + o rho^T),   A = diag(alpha_x, alpha_y, 1),   R: the least rotation from z to c
 //! ```
 //!
-//! `U` and the corrections of `rho` are small polynomials. Their numbers come from a search (`ltcforge-studies --
+//! `U` and the corrections of `rho` are small polynomials. Their coefficients come from a search (`ltcforge-studies --
 //! formula`).
 
 mod model;
@@ -19,9 +19,9 @@ use crate::normals::view::View;
 use ltcforge_fit::math::{Scalar, Triple, cross, dot, plus, scaled, unit};
 
 pub(crate) use model::FormulaModel;
-pub use numbers::NUMBERS;
+pub use numbers::COEFFICIENTS;
 
-/// The numbers that a polynomial may multiply in pairs.
+/// Inputs of the polynomials. Each term is a coefficient times two inputs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Feature {
     /// The number one.
@@ -36,20 +36,20 @@ pub enum Feature {
     Mu,
     /// The length of the stretched view.
     Length,
-    /// The angle of incidence at the middle normal, as a cosine.
+    /// The cosine of the angle of incidence at the central visible normal.
     Cosine,
     /// The weight of shadowing, G2 / G1, at `r`.
     Weight,
     /// The height of `r` in the space where the surface is a hemisphere.
     Rise,
-    /// The part of a material's light that Schlick's factor reflects.
+    /// The fraction of the reflected light due to Schlick's `(f90 - f0)` term.
     Share,
 }
 
-/// Number of features.
+/// Number of inputs.
 const FEATURES: usize = 10;
 
-/// The polynomials, in the order of their numbers.
+/// The polynomials, in the order of their coefficients.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Polynomial {
     /// The logarithm of the stretch of a row of `U`.
@@ -60,22 +60,22 @@ pub enum Polynomial {
     Along,
     /// The last row of `U`.
     Row,
-    /// A factor on `rho`, minus one, by the larger roughness.
+    /// Scale of `r` in `rho`, minus one, divided by the larger roughness.
     Swell,
-    /// A part of `rho` along z, by the larger roughness.
+    /// Offset of `rho` along z, divided by the larger roughness and by `1 - c.z`.
     Lift,
-    /// The factor of the squared weight in the amplitude, minus one.
-    Amplitude,
-    /// The factor of one minus the weight in the amplitude.
-    Lost,
-    /// The angle of incidence in Schlick's factor.
+    /// Correction of the amplitude, divided by the larger roughness.
+    ByLarger,
+    /// Correction of the amplitude, divided by the smaller roughness.
+    BySmaller,
+    /// One plus a correction. Minus the cosine, it is the base of Schlick's power.
     Incidence,
 }
 
 use Feature::{Axis, Cosine, Larger, Length, Mu, One, Rise, Share, Smaller, Weight};
 
 impl Polynomial {
-    /// All polynomials, in the order of their numbers.
+    /// All polynomials, in the order of their coefficients.
     pub const ALL: [Self; 9] = [
         Self::Stretch,
         Self::Tilt,
@@ -83,23 +83,23 @@ impl Polynomial {
         Self::Row,
         Self::Swell,
         Self::Lift,
-        Self::Amplitude,
-        Self::Lost,
+        Self::ByLarger,
+        Self::BySmaller,
         Self::Incidence,
     ];
 
-    /// The products of features that the polynomial adds, each with a number.
+    /// The terms of the polynomial: products of two inputs.
     #[must_use]
     pub const fn products(self) -> &'static [[Feature; 2]] {
         match self {
-            Self::Stretch => &[[Axis, Axis], [Axis, Mu], [Axis, Smaller], [Axis, One], [Axis, Share]],
+            Self::Stretch => &[[Axis, Axis], [Axis, Mu], [Axis, Smaller], [Axis, Larger], [Axis, One]],
             Self::Tilt => {
-                &[[Axis, Axis], [Mu, Smaller], [Mu, One], [Cosine, Length], [Cosine, Rise], [Rise, One], [Share, One]]
+                &[[Axis, Axis], [Axis, Mu], [Mu, One], [Cosine, Length], [Cosine, Rise], [Rise, One], [Share, One]]
             }
             Self::Along => {
                 &[[Larger, Larger], [Larger, One], [Mu, Mu], [Weight, One], [Rise, One], [Share, Rise], [Share, One]]
             }
-            Self::Row => &[[One, One], [Larger, One], [Mu, One], [Length, Cosine], [Length, One], [Weight, One]],
+            Self::Row => &[[One, One], [Rise, One], [Mu, One], [Length, Cosine], [Length, One], [Weight, One]],
             Self::Swell => &[
                 [Larger, Length],
                 [Larger, Cosine],
@@ -108,28 +108,19 @@ impl Polynomial {
                 [Mu, Cosine],
                 [Length, Rise],
                 [Length, One],
-                [Share, Cosine],
             ],
-            Self::Lift => &[[Mu, Mu], [Cosine, Weight], [Cosine, One], [Rise, Rise], [Share, Cosine], [Share, One]],
-            Self::Amplitude => &[
-                [Larger, Larger],
-                [Larger, Smaller],
-                [Larger, Cosine],
-                [Smaller, Smaller],
-                [Smaller, Mu],
-                [Smaller, Length],
-                [Smaller, Cosine],
-                [Smaller, Rise],
-                [Smaller, One],
-                [Length, Length],
-                [Cosine, Cosine],
-            ],
-            Self::Lost => &[[Larger, Weight], [One, One]],
-            Self::Incidence => &[[Mu, Mu], [Mu, Rise], [Mu, One], [Rise, Rise], [One, One]],
+            Self::Lift => &[[Mu, Mu], [Rise, Rise], [Share, Cosine], [Share, One]],
+            Self::ByLarger => {
+                &[[Larger, Larger], [Larger, Weight], [Smaller, Smaller], [Mu, Mu], [Mu, Rise], [One, One]]
+            }
+            Self::BySmaller => &[[Smaller, Mu], [Smaller, Rise], [Smaller, One], [Mu, Length], [Rise, One], [One, One]],
+            Self::Incidence => {
+                &[[Mu, Weight], [Mu, Smaller], [Mu, One], [Smaller, Cosine], [Larger, Length], [Weight, One]]
+            }
         }
     }
 
-    /// The index of its first number.
+    /// The index of its first coefficient.
     #[must_use]
     pub const fn start(self) -> usize {
         let (mut i, mut start) = (0, 0);
@@ -141,10 +132,10 @@ impl Polynomial {
     }
 }
 
-/// Number of numbers.
+/// Number of coefficients.
 pub const COUNT: usize = Polynomial::Incidence.start() + Polynomial::Incidence.products().len();
 
-/// The features of a surface and view.
+/// The inputs for a surface and view.
 struct Features<T>([T; FEATURES]);
 
 impl<T: Scalar> Features<T> {
@@ -174,15 +165,17 @@ pub struct FormulaLobe<T> {
 
 impl<T: Scalar> FormulaLobe<T> {
     /// The lobe of a material with reflectance `f0` at normal and `f90` at grazing incidence. Equal numbers give the lobe
-    /// for a Fresnel factor of one. Domain: `alpha` in [1e-5, 1]; `wo` of unit length with `z > 0`.
+    /// for a Fresnel factor of one. Domain: `alpha` in [1e-5, 1]; `wo` of unit length. A height of `wo` below 1e-4 counts as
+    /// 1e-4.
     #[must_use]
     pub fn new(alpha: [T; 2], wo: Triple<T>, fresnel: [T; 2]) -> Self {
-        Self::by(&NUMBERS, alpha, wo, fresnel)
+        Self::by(&COEFFICIENTS, alpha, wo, fresnel)
     }
 
-    /// The lobe with other numbers.
+    /// The lobe with other coefficients.
     #[must_use]
     pub fn by(numbers: &[f64; COUNT], alpha: [T; 2], wo: Triple<T>, [f0, f90]: [T; 2]) -> Self {
+        let wo = [wo[0], wo[1], wo[2].max(T::of(1e-4))];
         let view = View::new(alpha, wo);
         let mu = wo[2] / view.length;
         let stretched = scaled(view.stretched, T::ONE / view.length);
@@ -205,8 +198,9 @@ impl<T: Scalar> FormulaLobe<T> {
             .with(Weight, weight)
             .with(Rise, rise);
         let sum = |features: &Features<T>, polynomial| features.sum(polynomial, numbers);
-        let kept = weight * weight * (T::ONE + sum(&features, Polynomial::Amplitude));
-        let amplitude = (kept + (T::ONE - weight) * sum(&features, Polynomial::Lost)).max(T::ZERO).min(T::ONE);
+        let [by_larger, by_smaller] = [Polynomial::ByLarger, Polynomial::BySmaller].map(|part| sum(&features, part));
+        let correction = larger * by_larger + features.at(Smaller) * by_smaller;
+        let amplitude = (weight * weight + correction).max(T::ZERO).min(T::ONE);
         let incidence = (sum(&features, Polynomial::Incidence) - cosine).max(T::ZERO).min(T::ONE);
         let square = incidence * incidence;
         let schlick = amplitude * (square * square * incidence);

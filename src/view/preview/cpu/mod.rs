@@ -2,8 +2,8 @@
 //!
 //! `lookup` is the twin of `ltc_table.wgsl`, `light` of `ltc_light.wgsl`, `ggx` of `ggx_reference.wgsl`, `solids` of
 //! `reference_solids.wgsl`, `textured` of `light_picture.wgsl` and `preview_textured.wgsl`, and `surface` of
-//! `sphere.wgsl`. `ltcforge_light` has the formulas, in f32, of models `normals`, `sg` and `asg`, and of the light from
-//! disks, spheres and tubes by a table. Comments are in the shaders. `any_brdf` has no shader: it is the reference for
+//! `sphere.wgsl`. `ltcforge_light` has the formulas, in f32, of models `normals`, `ltc-formula`, `sg` and `asg`, and
+//! of the light from disks, spheres and tubes by an LTC. Comments are in the shaders. `any_brdf` has no shader: it is the reference for
 //! models other than GGX.
 
 mod any_brdf;

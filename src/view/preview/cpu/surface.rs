@@ -125,7 +125,7 @@ fn hit_at(frame: &Frame, place: Vec2, cell: u32) -> Option<Hit> {
 
 fn by_table(frame: &Frame, table: &ShaderTable, at: &Shaded) -> Vec3 {
     let lobe = lookup(table, at.alpha.x, at.alpha.y, at.wo);
-    let covered = coloured_by(frame, lobe.matrix, at);
+    let covered = coloured_by(frame, &Inverse::of(lobe.matrix), at);
     let parts = ColouredParts { all: lobe.amplitude * covered, fresnel: lobe.fresnel * covered };
     reflected_colours(frame, parts, || lobe.amplitude)
 }
@@ -135,28 +135,24 @@ fn by_two_lobes(frame: &Frame, table: &ShaderTable, second: SecondLobe, at: &Sha
     let covered = match second {
         SecondLobe::Blended => {
             let f0 = frame.f0.dot(Vec3::splat(1.0 / 3.0));
-            [coloured_by(frame, blend(&first, matrix, f0, 1.0), at); 2]
+            [coloured_by(frame, &Inverse::of(blend(&first, matrix, f0, 1.0)), at); 2]
         }
-        SecondLobe::Integrated => [first.matrix, matrix].map(|m| coloured_by(frame, m, at)),
+        SecondLobe::Integrated => [first.matrix, matrix].map(|m| coloured_by(frame, &Inverse::of(m), at)),
     };
     let parts = ColouredParts { all: first.amplitude * covered[0], fresnel: first.fresnel * covered[1] };
     reflected_colours(frame, parts, || first.amplitude)
 }
 
 /// The part of a lobe that the light covers, times the colour of the light's picture.
-fn coloured_by(frame: &Frame, m: Mat3, at: &Shaded) -> Vec3 {
-    let covered = covered_by(frame, m, at);
+fn coloured_by(frame: &Frame, inverse: &Inverse, at: &Shaded) -> Vec3 {
+    let covered = covered_by(frame, inverse, at);
     match &frame.picture {
-        Some(picture) if covered > 0.0 => covered * textured::colour_by_lobe(frame, picture, m, at),
+        Some(picture) if covered > 0.0 => covered * textured::colour_by_lobe(frame, picture, inverse, at),
         _ => Vec3::splat(covered),
     }
 }
 
-fn covered_by(frame: &Frame, m: Mat3, at: &Shaded) -> f32 {
-    covered_by_inverse(frame, &Inverse::of(m), at)
-}
-
-fn covered_by_inverse(frame: &Frame, inverse: &Inverse, at: &Shaded) -> f32 {
+fn covered_by(frame: &Frame, inverse: &Inverse, at: &Shaded) -> f32 {
     let to_local = Mat3::from_cols(at.x, at.y, at.z).transpose();
     if frame.is_cut {
         inverse.covered_above(&frame.light, at.position, to_local)
@@ -184,8 +180,9 @@ fn by_closed_form(frame: &Frame, form: ClosedForm, at: &Shaded) -> Vec3 {
     if form.model() == LightModel::LtcFormula {
         let f0 = frame.f0.dot(Vec3::splat(1.0 / 3.0));
         let lobe = FormulaLobe::new(at.alpha.to_array(), at.wo.to_array(), [f0, 1.0]);
-        let covered = covered_by_inverse(frame, &Inverse::of_rows(lobe.space.rows()), at);
-        return reflected(frame, Vec2::from(lobe.parts) * covered, || albedo_of(at));
+        let covered = coloured_by(frame, &Inverse::of_rows(lobe.space.rows()), at);
+        let [all, fresnel] = lobe.parts.map(|part| part * covered);
+        return reflected_colours(frame, ColouredParts { all, fresnel }, || lobe.parts[0]);
     }
     if let Some(picture) = &frame.picture {
         return reflected_colours(frame, textured::by_normals(frame, picture, form.rule(), at), || albedo_of(at));

@@ -84,9 +84,9 @@ fn colour_at(picture: &LightPicture, readings: &[Reading<f32>]) -> Vec3 {
     Vec3::from(colour_of(&readings, &picture.pyramid).map(|channel| channel as f32))
 }
 
-/// The mean colour of the picture, weighted by the lobe of a matrix.
-pub(super) fn colour_by_lobe(frame: &Frame, picture: &LightPicture, m: Mat3, at: &Shaded) -> Vec3 {
-    let space = Inverse::of(m).cosine_space(Mat3::IDENTITY);
+/// The mean colour of the picture, weighted by a lobe.
+pub(super) fn colour_by_lobe(frame: &Frame, picture: &LightPicture, inverse: &Inverse, at: &Shaded) -> Vec3 {
+    let space = inverse.cosine_space(Mat3::IDENTITY);
     let readings = space.map(|space| ltc_readings(&space, &corners(frame, at), picture.readings)).unwrap_or_default();
     colour_at(picture, &readings)
 }

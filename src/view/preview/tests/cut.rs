@@ -57,7 +57,8 @@ fn covered(@builtin(local_invocation_index) index: u32) {
 }
 ";
 
-const FILES: [&str; 5] = ["ltc_math", "ltc_light", "ltc_shapes", "ltc_cut", "ltc_cut_shapes"];
+const FILES: [&str; 7] =
+    ["ltc_math", "ltc_inverse", "ltc_rectangle", "ltc_light", "ltc_shapes", "ltc_cut", "ltc_cut_shapes"];
 const NAMES: [&str; 7] = ["disk", "sphere", "tube", "line", "polygon", "rectangle", "rectangle from one side"];
 const COUNT: usize = 16 * 256;
 

@@ -67,7 +67,10 @@ fn cases(aimed: bool) -> Vec<Case> {
 fn by_all(cases: &[Case]) -> Vec<(&'static str, Vec<[f32; 2]>)> {
     let twin = |case: &Case| [false, true].map(|two_sided| cpu::covered(case.m, &case.vertices, two_sided));
     let mut found = vec![("CPU", cases.iter().map(twin).collect())];
-    found.extend(by_gpu(cases, &(joined(&["ltc_math", "ltc_light"]) + ENTRY)).map(|by_gpu| ("GPU", by_gpu)));
+    found.extend(
+        by_gpu(cases, &(joined(&["ltc_math", "ltc_inverse", "ltc_rectangle", "ltc_light"]) + ENTRY))
+            .map(|by_gpu| ("GPU", by_gpu)),
+    );
     found
 }
 
@@ -149,7 +152,7 @@ fn lights_that_end_within_a_sharp_lobe_have_small_errors() {
 /// Parallelograms, given by three corners. `ltc_rectangle` cuts them at the horizon without branches.
 #[test]
 fn ten_thousand_rectangles_in_32_bits_agree_with_64_bits() {
-    let source = joined(&["ltc_light"])
+    let source = joined(&["ltc_inverse", "ltc_rectangle", "ltc_light"])
         + &ENTRY.replace("ltc_polygon(inverse, vertices, given.count.x,", "ltc_rectangle(inverse, corners,").replace(
             "    found[index]",
             "    let corners = array<vec3<f32>, 4>(vertices[0], vertices[1], vertices[2], vec3(0.0));\n    found[index]",
@@ -185,7 +188,7 @@ fn the_cheap_horizon_of_polygons_is_the_fit_for_spheres() {
         length * cheap_form_factor(if length > 0.0 { flux.z / length } else { 0.0 }, length)
     };
     let cases: Vec<Case> = random_cases(COUNT).map(|(polygon, m)| Case::new(m, polygon.into_iter(), exact)).collect();
-    let source = joined(&["ltc_math", "ltc_light"]) + ENTRY;
+    let source = joined(&["ltc_math", "ltc_inverse", "ltc_rectangle", "ltc_light"]) + ENTRY;
     let cheap = source.replacen("LTC_CHEAP_HORIZON: bool = false", "LTC_CHEAP_HORIZON: bool = true", 1);
     assert_ne!(cheap, source);
     let Some(found) = by_gpu(&cases, &cheap) else { return };

@@ -222,22 +222,30 @@ fn the_shader_of_a_formula_agrees_with_f64() {
     lights.extend(round_lights());
     let mut tried = Vec::new();
     for (case, light) in CASES.iter().flat_map(|case| lights.iter().map(move |light| (case, light))) {
-        tried.extend([false, true].map(|two_sided| (case, light, two_sided)));
+        for f0 in [1.0, 0.04] {
+            tried.extend([false, true].map(|two_sided| (case, light, two_sided, f0)));
+        }
     }
-    let words: Vec<[f32; 40]> =
-        tried.iter().map(|(case, light, two_sided)| case_words(case, light, *two_sided)).collect();
+    let words: Vec<[f32; 40]> = tried
+        .iter()
+        .map(|(case, light, two_sided, f0)| {
+            let mut words = case_words(case, light, *two_sided);
+            words[11] = *f0 as f32;
+            words
+        })
+        .collect();
     let found: Vec<[f32; 4]> = match example::run(&wgsl, "ltc_formula_example", None, &words) {
         Ok(found) => found,
         Err(GpuFailure::Absent(reason)) => return report_skipped(&reason),
         Err(error) => panic!("{error}"),
     };
     let mut lit = 0;
-    for ((case, light, two_sided), found) in tried.into_iter().zip(found) {
+    for ((case, light, two_sided, f0), found) in tried.into_iter().zip(found) {
         let sides = if two_sided { Sides::Two } else { Sides::One };
-        let lobe = FormulaLobe::new([case.alpha_x, case.alpha_y], case.wo, [1.0; 2]);
+        let lobe = FormulaLobe::new([case.alpha_x, case.alpha_y], case.wo, [f0, 1.0]);
         let covered = light.covered(&lobe.space, sides);
         for (found, part) in found.into_iter().zip(lobe.parts) {
-            let (what, expected) = (format!("{case:?} {} vertices, {two_sided}", light.count), part * covered);
+            let (what, expected) = (format!("{case:?} {} vertices, {two_sided}, {f0}", light.count), part * covered);
             assert!((f64::from(found) - expected).abs() < TOLERANCE, "{what}: {found}, not {expected}");
         }
         lit += usize::from(covered > 0.05);

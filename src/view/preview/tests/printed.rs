@@ -77,6 +77,9 @@ fn compare<Found: Pod + AsRef<[f32]>>(lit_by: LitBy) -> Option<usize> {
         if matches!(lit_by.model(), LightModel::Sg | LightModel::Asg) {
             word[7] = f32::from(u8::from(number % 3 == 0));
         }
+        if lit_by.model() == LightModel::LtcFormula {
+            word[11] = [1.0, 0.04][number % 2];
+        }
         words.push(word);
     }
     let example = lit_by.shader().example;

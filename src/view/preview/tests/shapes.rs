@@ -123,7 +123,7 @@ fn thousands_of_lights_in_32_bits_agree_with_f64() {
     let words: Vec<[f32; 24]> = cases.iter().map(words).collect();
     let (groups, rest) = words.as_chunks::<256>();
     assert!(rest.is_empty(), "the shader takes 256 at a time");
-    let source = joined(&["ltc_math", "ltc_light", "ltc_shapes"]) + ENTRY;
+    let source = joined(&["ltc_math", "ltc_inverse", "ltc_rectangle", "ltc_light", "ltc_shapes"]) + ENTRY;
     let table = shader_table(TexelFormat::F32);
     match example::run::<_, [[f32; 4]; 256]>(&source, "covered", Some((&*table, Bound::Volumes)), groups) {
         Ok(by_gpu) => all.push(("GPU", by_gpu.into_flattened())),

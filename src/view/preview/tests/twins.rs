@@ -181,6 +181,7 @@ fn gpu_and_cpu_agree_on_pictures() {
         });
         let others = [
             Scene { cut: true, mode: Mode::Ltc, ..scene.clone() },
+            Scene { model: LightModel::LtcFormula, mode: Mode::Ltc, ..scene.clone() },
             Scene { compensate: true, mode: Mode::Models, ..scene.clone() },
             Scene { mode: Mode::Reference, ..scene.clone() },
         ];
@@ -230,14 +231,16 @@ fn gpu_and_cpu_agree_on_lights_that_the_surface_cuts() {
         let usual = named.scene();
         for (centre, half_size) in [(usual.light.centre, [0.8, 0.3]), ([0.9, 0.1, 0.2], [2.0, 0.5])] {
             let light = Light { kind, centre, half_size, rotation: [0.3, 0.8, 0.1], ..usual.light };
-            let scene = Scene { size: 64, cut: true, light, ..usual.clone() };
-            let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
-            assert_twins(&a.picture, &b.picture, &format!("{kind:?} {} {centre:?}", named.name()));
-            let uncut = render(cpu, &table, &Scene { cut: false, ..scene });
-            darker += usize::from(apart(&uncut.picture, &b.picture).1 > 0.01);
+            for model in [LightModel::Ltc, LightModel::LtcFormula] {
+                let scene = Scene { size: 64, cut: true, light, model, ..usual.clone() };
+                let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
+                assert_twins(&a.picture, &b.picture, &format!("{model} {kind:?} {} {centre:?}", named.name()));
+                let uncut = render(cpu, &table, &Scene { cut: false, ..scene });
+                darker += usize::from(apart(&uncut.picture, &b.picture).1 > 0.01);
+            }
         }
     }
-    assert!(darker > 10, "only {darker} pictures change without the cut");
+    assert!(darker > 20, "only {darker} pictures change without the cut");
 }
 
 #[test]
@@ -275,9 +278,9 @@ fn gpu_and_cpu_agree_on_mirrors_and_needles_by_normals() {
     }
 }
 
-/// Both Gaussians, on surfaces with mirror-like to narrow lobes, and in every scene.
+/// The LTC without a table and both Gaussians, on surfaces with mirror-like to narrow lobes, and in every scene.
 #[test]
-fn gpu_and_cpu_agree_by_gaussians() {
+fn gpu_and_cpu_agree_by_formulas() {
     let mut renderers = renderers();
     let [gpu, cpu] = &mut *renderers else { return };
     let table = shader_table(TexelFormat::F32);
@@ -288,7 +291,7 @@ fn gpu_and_cpu_agree_by_gaussians() {
     });
     let named: Vec<Scene> = NamedScene::ALL.iter().map(|named| Scene { size: 96, ..named.scene() }).collect();
     for scene in extremes.iter().chain(&named) {
-        for model in [LightModel::Sg, LightModel::Asg] {
+        for model in [LightModel::LtcFormula, LightModel::Sg, LightModel::Asg] {
             let scene = Scene { model, picture: ScenePicture::None, ..scene.clone() };
             let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
             assert_twins(&a.picture, &b.picture, &format!("{model} {:?} {:?}", scene.materials, scene.camera));
