@@ -113,7 +113,8 @@ fn table(plan: &TablePlan<'_>) -> Value {
         "gpu_limit": plan.form.gpu,
         "gpu_cost": shading.gpu_cost,
         "light_error": shading.light_error,
-        "rule": shading.rule,
+        "model": shading.without().map(|without| without.model),
+        "rule": shading.without().and_then(|without| without.rule),
         "without_table": shading.without_table,
         "whole": {
             "recipe_digest": digest(&whole.recipe), "bytes": whole.bytes, "predicted_error": whole.predicted,

@@ -1,10 +1,10 @@
-//! Light without a table: model `normals`, whose closed form serves every material of GGX.
+//! Light without a table: models `ltc-formula` and `normals`, which serve every material of GGX.
 
 use serde::Serialize;
 
 use crate::needs::Needs;
 use ltcforge_fit::{BrdfKind, Layout, PerAxis, Recipe, Table};
-use ltcforge_light::{LightError, LightModel, Lighting, RandomLights, light_error, normals::NormalsRule};
+use ltcforge_light::{ClosedForm, LightError, LightModel, Lighting, RandomLights, light_error, normals::NormalsRule};
 use ltcforge_shaders::GpuCost;
 
 /// Number of random rectangular lights, over the scene's ranges, for which table and model are compared. Tests do not
@@ -46,18 +46,37 @@ pub(crate) fn text_cost_of(recipe: &Recipe) -> Option<GpuCost> {
     text_cost(recipe.layout, recipe.brdf.fresnel().second().is_some())
 }
 
-/// A rule of model `normals`, instead of a table.
+/// A model without a table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct WithoutTable {
-    /// The rule.
-    pub(crate) rule: NormalsRule,
+    /// The model.
+    pub(crate) model: LightModel,
+    /// Its rule, if it has rules.
+    pub(crate) rule: Option<NormalsRule>,
     /// The cost of its shader for one rectangle.
     pub(crate) gpu_cost: Option<GpuCost>,
     /// Mean absolute error of the light of random rectangles, if the table was measured too.
     pub(crate) light_error: Option<f64>,
 }
 
-/// The costs and errors of a table's shader, and of the rules that need no table.
+impl WithoutTable {
+    fn new(model: LightModel, rule: Option<NormalsRule>) -> Self {
+        let mut without = Self { model, rule, gpu_cost: None, light_error: None };
+        without.gpu_cost = GpuCost::of(&without.name(" "));
+        without
+    }
+
+    fn form(&self) -> Option<ClosedForm> {
+        self.model.closed_form(self.rule)
+    }
+
+    /// The model, and its rule after `before`.
+    fn name(&self, before: &str) -> String {
+        self.rule.map_or_else(|| self.model.to_string(), |rule| format!("{}{before}{rule}", self.model))
+    }
+}
+
+/// The costs and errors of a table's shader, and of the models that need no table.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Shading {
     /// The cost of the shader that reads the table.
@@ -66,33 +85,35 @@ pub(crate) struct Shading {
     pub(crate) is_table_readable: bool,
     /// Mean absolute error of the table's light, if it was measured.
     pub(crate) light_error: Option<f64>,
-    /// The rule with the least error within the limits; without limits, the default rule.
-    pub(crate) rule: Option<NormalsRule>,
-    /// The rules.
+    /// The index of the model without a table: the one with the least error within the limits; without limits, model
+    /// `normals` with its default rule.
+    chosen: Option<usize>,
+    /// The models without a table.
     pub(crate) without_table: Vec<WithoutTable>,
     limit: GpuLimit,
 }
 
 impl Shading {
-    /// The costs for a recipe's table. Scattering models other than GGX have no rules.
+    /// The costs for a recipe's table. Scattering models other than GGX need a table.
     pub(crate) fn new(needs: &Needs<'_>, recipe: &Recipe, limit: GpuLimit) -> Self {
-        let rules = if needs.brdf == BrdfKind::Ggx { &NormalsRule::SHADED[..] } else { &[] };
-        let without = |rule: &NormalsRule| WithoutTable {
-            rule: *rule,
-            gpu_cost: GpuCost::of(&format!("normals {rule}")),
-            light_error: None,
-        };
-        let without_table: Vec<WithoutTable> = rules.iter().map(without).collect();
-        let within = without_table.iter().filter(|without| limit.allows(without.gpu_cost));
-        // A rule with more instructions has less error.
-        let instructions = |without: &&WithoutTable| without.gpu_cost.map(|cost| cost.instructions);
-        let finest = if limit.is_any() { within.max_by_key(instructions) } else { without_table.first() };
-        let rule = finest.map(|without| without.rule);
+        let forms = NormalsRule::SHADED.iter().map(|rule| (LightModel::Normals, Some(*rule)));
+        let forms = forms.chain([(LightModel::LtcFormula, None)]).filter(|_| needs.brdf == BrdfKind::Ggx);
+        let without_table: Vec<WithoutTable> = forms.map(|(model, rule)| WithoutTable::new(model, rule)).collect();
+        let within = without_table.iter().enumerate().filter(|(_, without)| limit.allows(without.gpu_cost));
+        // A model with more instructions has less error.
+        let instructions = |(_, without): &(usize, &WithoutTable)| without.gpu_cost.map(|cost| cost.instructions);
+        let finest = if limit.is_any() { within.max_by_key(instructions) } else { within.min_by_key(|(i, _)| *i) };
+        let chosen = finest.map(|(i, _)| i);
         let gpu_cost = text_cost_of(recipe);
-        Self { gpu_cost, is_table_readable: limit.allows(gpu_cost), light_error: None, rule, without_table, limit }
+        Self { gpu_cost, is_table_readable: limit.allows(gpu_cost), light_error: None, chosen, without_table, limit }
     }
 
-    /// Measures the light of the table and of the rules, over the scene's ranges or at the materials of the table, for
+    /// The best model without a table within the limits.
+    pub(crate) fn without(&self) -> Option<&WithoutTable> {
+        self.chosen.map(|chosen| &self.without_table[chosen])
+    }
+
+    /// Measures the light of the table and of the models without a table, over the scene's ranges or at the materials of the table, for
     /// a Fresnel factor of one. Runs on the current rayon pool.
     ///
     /// # Errors
@@ -112,14 +133,14 @@ impl Shading {
         };
         self.light_error = Some(mean(Lighting::by(table))?);
         for without in &mut self.without_table {
-            if let Some(form) = LightModel::Normals.closed_form(Some(without.rule)) {
+            if let Some(form) = without.form() {
                 without.light_error = Some(mean(Lighting::ClosedForm(form))?);
             }
         }
         Ok(())
     }
 
-    /// The summary in words: the rule without a table, and costs beyond the limits.
+    /// The summary in words: the model without a table, and costs beyond the limits.
     pub(crate) fn words(&self) -> Vec<String> {
         let words = |cost: Option<GpuCost>| match cost {
             Some(GpuCost { registers, instructions, .. }) => {
@@ -132,8 +153,7 @@ impl Shading {
         if !self.is_table_readable {
             lines.push(format!("the table's shader exceeds the GPU limits: {table}"));
         }
-        let without = self.without_table.iter().find(|without| Some(without.rule) == self.rule);
-        if let Some(WithoutTable { rule, gpu_cost, light_error }) = without {
+        if let Some(without @ WithoutTable { gpu_cost, light_error, .. }) = self.without() {
             let within = if self.limit.is_any() { ", the finest within the limits" } else { "" };
             let errors = self.light_error.zip(*light_error);
             let errors = errors.map_or_else(String::new, |(table, other)| {
@@ -141,16 +161,15 @@ impl Shading {
             });
             let own = words(*gpu_cost);
             lines.push(format!(
-                "without a table: model normals, rule {rule}{within}, {own} (the table's shader: {table}){errors}"
+                "without a table: model {}{within}, {own} (the table's shader: {table}){errors}",
+                without.name(", rule ")
             ));
         } else if let Some(least) =
             self.without_table.iter().min_by_key(|least| least.gpu_cost.map(|cost| cost.instructions))
         {
             let own = words(least.gpu_cost);
-            let rule = least.rule;
-            lines.push(format!(
-                "without a table: no rule of model normals is within the limits; the shortest, {rule}, needs {own}"
-            ));
+            let name = least.name(" ");
+            lines.push(format!("without a table: no model is within the limits; the cheapest, {name}, needs {own}"));
         }
         lines
     }
@@ -162,7 +181,7 @@ mod tests {
     use crate::{Budget, Form, Scene, TablePlan};
 
     #[test]
-    fn limits_choose_the_finest_rule_within_them() {
+    fn limits_choose_the_finest_model_within_them() {
         let list =
             br#"{"materials": [{"alpha_x": 0.2, "alpha_y": 0.2}, {"alpha_x": 0.3, "alpha_y": 0.3, "f0": 0.04}]}"#;
         let scene = Scene::from_list(list).expect("a scene");
@@ -172,16 +191,19 @@ mod tests {
             TablePlan::new(needs, Budget::Knee, Form { gpu, ..Form::default() }, &|| true).expect("nothing stops it")
         };
         let outcome = |plan: &TablePlan<'_>| {
-            (plan.shading.rule, plan.chosen.recipe.brdf.fresnel().second().is_some(), plan.is_met)
+            let name = plan.shading.without().map(|without| without.name(" "));
+            (name, plan.chosen.recipe.brdf.fresnel().second().is_some(), plan.is_met)
         };
+        let named = |name: &str, is_two, is_met| (Some(name.to_owned()), is_two, is_met);
         let plan = planned(limit(None, None));
         let within = |gpu: GpuLimit| outcome(&plan.within(Budget::Knee, gpu));
-        assert_eq!(outcome(&plan), (Some(NormalsRule::Balanced), true, true));
-        assert_eq!(within(limit(Some(96), Some(4000))), (Some(NormalsRule::Fine), true, true));
+        assert_eq!(outcome(&plan), named("normals balanced", true, true));
+        assert_eq!(within(limit(Some(96), Some(4000))), named("normals fine", true, true));
         // A blend of two lobes takes 64 registers, one lobe 48.
-        assert_eq!(within(limit(Some(64), None)), (Some(NormalsRule::Fast), true, true));
+        assert_eq!(within(limit(Some(64), None)), named("normals fast", true, true));
         let plan = planned(limit(Some(63), None));
-        assert_eq!(outcome(&plan), (None, false, true));
-        assert!(!plan.within(Budget::Knee, limit(None, Some(100))).is_met);
+        assert_eq!(outcome(&plan), named("ltc-formula", false, true));
+        let tight = plan.within(Budget::Knee, limit(None, Some(100)));
+        assert!(!tight.is_met && tight.shading.without().is_none());
     }
 }

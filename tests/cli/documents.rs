@@ -25,11 +25,13 @@ fn with_comma(count: usize) -> String {
 fn the_bytes_of_shaders_agree_with_the_documents() {
     let here = tempfile::tempdir().expect("a folder");
     for language in ["wgsl", "glsl", "glsl-es", "hlsl", "msl"] {
-        let length = |more: &[&str]| {
-            let words = ["shader", "--layout", "reflected", "--language", language];
-            with_comma(run(here.path(), words.iter().chain(more)).exited(0).stdout.len())
-        };
-        let lengths = [length(&[]), length(&["--lights", "polygons"])];
+        let lengths = [["--layout", "reflected"], ["--model", "ltc-formula"]].map(|model| {
+            let lengths = ["all", "polygons", "rectangles"].map(|lights| {
+                let words = ["shader", "--language", language, "--lights", lights];
+                with_comma(run(here.path(), words.iter().chain(&model)).exited(0).stdout.len())
+            });
+            lengths.join(", ")
+        });
         assert_eq!(row("lights.md", &format!("`{language}`")), lengths, "docs/lights.md, {language}");
     }
 }

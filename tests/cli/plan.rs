@@ -163,7 +163,9 @@ fn limits_of_a_gpu_and_tables_without_terms_are_planned() {
     assert!(two.contains("two lobes per entry, blended") && two.contains("rule balanced, 72 registers"), "{two}");
     let one = run(here, ["plan", "scene.json", "--registers", "64", "--instructions", "800"]).exited(0).stdout;
     assert!(one.contains("one lobe serves metal and dielectrics"), "{one}");
-    assert!(one.contains("no rule of model normals is within the limits; the shortest, fast, needs"), "{one}");
+    assert!(one.contains("model ltc-formula, the finest within the limits, 48 registers"), "{one}");
+    let tight = run(here, ["plan", "steel.json", "--instructions", "500"]).exited(1).stdout;
+    assert!(tight.contains("no model is within the limits; the cheapest, ltc-formula, needs"), "{tight}");
     let bare = run(here, ["plan", "steel.json", "--no-terms"]).exited(0).stdout;
     assert!(bare.contains("the table has no terms"), "{bare}");
     let none = run(here, ["plan", "steel.json", "--registers", "8"]).exited(1).stdout;

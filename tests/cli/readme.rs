@@ -25,7 +25,7 @@ const FILES: [&str; 8] = [
     "plan/recipe.json",
     "assets/ltc/ltc_terms.ktx2",
     "ltcforge.lock",
-    "normals.glsl",
+    "ltc_formula.glsl",
 ];
 
 #[test]

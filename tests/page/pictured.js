@@ -111,6 +111,7 @@ await withWorld( async ( { service, open } ) => {
 	const bright = {};
 	for ( const [ name, scene, words ] of [
 		[ 'normals', plastic, [] ],
+		[ 'formula', { ...plastic, table: 'ltc-formula' }, [ '--model', 'ltc-formula' ] ],
 		[ 'sharp', { ...plastic, alpha_x: 0.1, alpha_y: 0.05 }, [] ],
 		[ 'table', { ...plastic, table: digest }, [ '--model', 'ltc', '--table', 'table' ] ],
 	] ) {

@@ -22,12 +22,12 @@ const PLACES = Array.from( { length: 20 }, ( _, i ) => {
 } );
 
 /** The parameters of a preview for a scene of the viewer with its first light. */
-function preview( { surface, table, metal, light_shape, light_width = 0.7, light_height = 0.45, ...scene } ) {
+function preview( { surface, table = '', metal, light_shape, light_width = 0.7, light_height = 0.45, ...scene } ) {
 
 	const light = { light: light_shape || 'rectangle', light_centre: '-1.3,1.4,1.2', light_half_size: `${ light_width },${ light_height }` };
 	const camera = { camera_distance: 9, camera_elevation: 0.2, field_of_view: 0.5 };
 	const f0 = metal ? { f0: { plastic: '0.04,0.04,0.04', white: '1,1,1' }[ metal ] } : {};
-	return new URLSearchParams( { scene: surface === 'floor' ? 'brushed_floor' : 'sphere', ...light, ...camera, ...( table ? { table } : { model: 'normals' } ), ...f0, alpha_x: 0.5, alpha_y: 0.1, size: SIZE, ...scene } );
+	return new URLSearchParams( { scene: surface === 'floor' ? 'brushed_floor' : 'sphere', ...light, ...camera, ...( [ '', 'ltc-formula' ].includes( table ) ? { model: table || 'normals' } : { table } ), ...f0, alpha_x: 0.5, alpha_y: 0.1, size: SIZE, ...scene } );
 
 }
 
@@ -66,6 +66,8 @@ await withWorld( async ( { service, open } ) => {
 		tube: { table: reflected, light_shape: 'tube', light_height: 0.1 },
 		line: { table: reflected, light_shape: 'line', light_height: 0.05, exposure: 4 },
 		hexagon: { table: reflected, light_shape: 'hexagon' },
+		formula: { table: 'ltc-formula', metal: 'plastic', alpha_x: 0.3, alpha_y: 0.2, exposure: 8 },
+		tube_by_formula: { table: 'ltc-formula', light_shape: 'tube', light_height: 0.1, rotation: 0.6 },
 		disk_by_normals: { light_shape: 'disk' },
 		tube_by_normals: { light_shape: 'tube', light_height: 0.1 },
 		line_by_normals: { light_shape: 'line', light_height: 0.05, exposure: 4 },

@@ -90,13 +90,13 @@ page_files![
     "webgl/surface.js",
 ];
 
-/// The shader for a file name without extension: `normals` or `ltc-LAYOUT`, with `-two-lobes` for tables with two
-/// lobes. Both names can end in `-textured` for lights that show pictures.
+/// The shader for a file name without extension: `normals`, `ltc-formula` or `ltc-LAYOUT`, with `-two-lobes` for tables
+/// with two lobes. All names can end in `-textured` for lights that show pictures.
 fn lit_by(name: &str) -> Option<(LitBy, Reading)> {
     let (name, is_textured) = without(name, "-textured");
     let additions = Additions { textured: is_textured.then(|| Readings::ALL[0]), ..Additions::default() };
-    if name == "normals" {
-        return Some((LitBy::new(LightModel::Normals, None).ok()?.with(additions).ok()?, Reading::default()));
+    if let Some(model) = [LightModel::Normals, LightModel::LtcFormula].iter().find(|model| model.name() == name) {
+        return Some((LitBy::new(*model, None).ok()?.with(additions).ok()?, Reading::default()));
     }
     let (layout, two_lobes) = without(name.strip_prefix("ltc-")?, "-two-lobes");
     let layout = Layout::ALL.iter().find(|known| known.name() == layout)?;

@@ -1,11 +1,11 @@
-// The viewer: compares tables, the normals model and the shading of engines with the reference or with each other, on the user's GPU.
+// The viewer: compares tables, models without a table and the shading of engines with the reference or with each other, on the user's GPU.
 
 import { bar, copyButton, el, facts, fileField, fill, muted, notice, svg, takeDrops } from '../elements/dom.js';
 import { short, whole } from '../elements/format.js';
 import { call } from '../service/api.js';
 import { choice, drag, slider } from '../viewer/controls.js';
 import { lightsPanel } from '../viewer/lights.js';
-import { modelOf, PUBLISHED, textOf } from '../viewer/models.js';
+import { FORMULA, modelOf, PUBLISHED, textOf } from '../viewer/models.js';
 import { camera, CHOICES, isPictured, link, METALS, moved, outline, PARAMETERS, placed, projected, read, uniformsOf } from '../viewer/scene.js';
 import { shaderBall } from '../viewer/shader_ball.js';
 import { device } from '../webgl/device.js';
@@ -34,11 +34,11 @@ export async function show( root, rest, parameters, signal ) {
 	const outlines = [];
 	const figures = el( 'div' );
 	const { items } = await call( '/v1/tables?limit=200', { signal } );
-	const known = [ ...new Set( [ scene.table, scene.against, ...items.map( ( { digest } ) => digest ) ] ) ].filter( ( name ) => name && name !== 'normals' && ! Object.hasOwn( PUBLISHED, name ) );
+	const known = [ ...new Set( [ scene.table, scene.against, ...items.map( ( { digest } ) => digest ) ] ) ].filter( ( name ) => name && name !== 'normals' && name !== FORMULA[ 0 ] && ! Object.hasOwn( PUBLISHED, name ) );
 	const models = [ ...Object.entries( PUBLISHED ), ...known.map( ( digest ) => [ digest, `table ${ short( digest ) }` ] ) ];
 	const chosen = ( name, label, options, id = `view-${ name }` ) => choice( id, label, options, scene[ name ], ( value ) => change( name, value ) );
-	const table = chosen( 'table', 'Left side', [ [ '', 'normals, no table' ], ...models ], 'model' );
-	const against = chosen( 'against', 'Right side', [ [ '', 'Monte Carlo integration' ], [ 'normals', 'normals, no table' ], ...models ], 'against' );
+	const table = chosen( 'table', 'Left side', [ [ '', 'normals, no table' ], FORMULA, ...models ], 'model' );
+	const against = chosen( 'against', 'Right side', [ [ '', 'Monte Carlo integration' ], [ 'normals', 'normals, no table' ], FORMULA, ...models ], 'against' );
 	const [ surface, metal, sides ] = [ chosen( 'surface', 'Surface', SURFACES ), chosen( 'metal', 'Material', CHOICES.metal ), chosen( 'show', 'Show', SIDES ) ];
 	const sliders = PARAMETERS.map( ( field ) => slider( field, '', change ) );
 	const split = slider( { name: 'split', label: 'Split at', min: 0, max: 1, step: 0.01 }, '', change );

@@ -38,8 +38,7 @@ mat2x3 parts_of( Shaded at ) {
 
 /** The sum over all lights of the part of a lobe that the light covers, times the light's radiance. */
 const COVERED = `
-vec3 covered( mat3 m, Shaded at ) {
-	LtcInverse local = ltc_inverse( m );
+vec3 covered( LtcInverse local, Shaded at ) {
 	LtcInverse inverse = LtcInverse( local.m * transpose( mat3( at.x, at.y, at.z ) ), local.side );
 	vec3 sum = vec3( 0.0 );
 	for ( int l = 0; l < light_count; l ++ ) {
@@ -70,21 +69,26 @@ vec3 covered( mat3 m, Shaded at ) {
 `;
 
 const LOOKUPS = {
+	formula: `
+mat2x3 parts_of( Shaded at ) {
+	LtcFormula lobe = ltc_formula( at.alpha.x, at.alpha.y, at.wo, dot( at.f0, vec3( 1.0 / 3.0 ) ), 1.0 );
+	return outerProduct( covered( lobe.inverse, at ), vec2( lobe.amplitude, lobe.fresnel ) );
+}`,
 	one: `
 mat2x3 parts_of( Shaded at ) {
 	LtcLobe lobe = ltc_lookup( at.alpha.x, at.alpha.y, at.wo );
-	return outerProduct( covered( lobe.m, at ), vec2( lobe.amplitude, lobe.fresnel ) );
+	return outerProduct( covered( ltc_inverse( lobe.m ), at ), vec2( lobe.amplitude, lobe.fresnel ) );
 }`,
 	two_lobes: `
 mat2x3 parts_of( Shaded at ) {
 	LtcLobes lobes = ltc_lookup_both( at.alpha.x, at.alpha.y, at.wo );
-	return mat2x3( lobes.first.amplitude * covered( lobes.first.m, at ), lobes.first.fresnel * covered( lobes.second, at ) );
+	return mat2x3( lobes.first.amplitude * covered( ltc_inverse( lobes.first.m ), at ), lobes.first.fresnel * covered( ltc_inverse( lobes.second ), at ) );
 }`,
 	blended_lobes: `
 mat2x3 parts_of( Shaded at ) {
 	LtcLobes lobes = ltc_lookup_both( at.alpha.x, at.alpha.y, at.wo );
 	float f0 = dot( at.f0, vec3( 1.0 / 3.0 ) );
-	return outerProduct( covered( ltc_blend( lobes, f0, 1.0 ), at ), vec2( lobes.first.amplitude, lobes.first.fresnel ) );
+	return outerProduct( covered( ltc_inverse( ltc_blend( lobes, f0, 1.0 ) ), at ), vec2( lobes.first.amplitude, lobes.first.fresnel ) );
 }`,
 };
 
@@ -136,7 +140,7 @@ mat2x3 parts_of( Shaded at ) {
 	return outerProduct( sum, terms );
 }`;
 
-/** The code of each kind of model: normals, engines, or one of the ways to use the lobes of a table. */
+/** The code of each kind of model: normals, engines, formula, or one of the ways to use the lobes of a table. */
 const BODIES = {
 	normals: OUTLINES + BY_NORMALS,
 	engines: OUTLINES + BY_ENGINES,
