@@ -13,6 +13,7 @@ export const lamps = lightsOf( Number( query.get( 'lights' ) || 1 ) );
 
 const CAPTIONS = {
 	table: 'a table of layout <code>reflected</code>',
+	formula: 'LTC by a formula, without a table',
 	fast: 'closed form, rule <code>fast</code>',
 	balanced: 'closed form, rule <code>balanced</code>',
 	fine: 'closed form, rule <code>fine</code>',

@@ -16,6 +16,7 @@ const SHADERS = {
 	three: [
 		...rules( 'glsl' ),
 		...rules( 'wgsl' ),
+		...[ 'glsl', 'wgsl' ].map( ( language ) => [ 'ltc_formula', language, '--model', 'ltc-formula', '--lights', 'rectangles' ] ),
 		[ 'table', 'glsl', '--layout', 'reflected', '--lights', 'polygons' ],
 		[ 'normals_textured', 'glsl', '--model', 'normals', '--textured', '4' ],
 		[ 'prefilter', 'glsl', '--as', 'prefilter' ],

@@ -1,6 +1,6 @@
 // Area lights on anisotropic GGX for WebGLRenderer of three.js. They replace the lookup of linearly transformed cosines, which
-// supports isotropic lobes only. There are two ways: the closed form from `ltcforge shader --model normals --language glsl-es`,
-// which needs no table, or a table from `ltcforge export --for wgpu` with the shader from `ltcforge shader --layout reflected`.
+// supports isotropic lobes only. There are two ways: a closed form from `ltcforge shader --language glsl-es`, with `--model normals`
+// or `--model ltc-formula`, which needs no table; or a table from `ltcforge export --for wgpu` with the shader from `ltcforge shader --layout reflected`.
 //
 // This works on MeshStandardMaterial and MeshPhysicalMaterial with three's RectAreaLight, `roughness`, `anisotropy`,
 // `anisotropyRotation`, anisotropyMap and clearcoat. Diffuse light does not change. For WebGPURenderer, see webgpu.js.
@@ -8,7 +8,7 @@
 import { REVISION, ShaderChunk } from 'three';
 
 import { LightPictures } from './light_pictures.js';
-import { BY_NORMALS, BY_PICTURES, BY_TABLE, PATCHES } from './patches.js';
+import { BY_FORMULA, BY_NORMALS, BY_PICTURES, BY_TABLE, PATCHES } from './patches.js';
 
 export { setAlphas } from './alphas.js';
 export { LightPictures } from './light_pictures.js';
@@ -20,13 +20,15 @@ const patches = new WeakMap();
  * Lights a material's gloss and clearcoat by three's rectangular lights, in closed form.
  *
  * @param {import('three').MeshStandardMaterial} material - The material, which is patched in place.
- * @param {string} normalsGlsl - The output of `ltcforge shader --model normals --language glsl-es`, with any rule.
+ * @param {string} glsl - The output of `ltcforge shader --language glsl-es` for `--model normals` with any rule, or for
+ * `--model ltc-formula`.
  * @returns {import('three').MeshStandardMaterial} The material.
  */
-export function withClosedFormAreaLights( material, normalsGlsl ) {
+export function withClosedFormAreaLights( material, glsl ) {
 
-	requireText( normalsGlsl, 'normals_rectangle(', 'ltcforge shader --model normals --language glsl-es' );
-	return patch( material, normalsGlsl + BY_NORMALS, {} );
+	if ( String( glsl ).includes( 'ltc_formula(' ) ) return patch( material, glsl + BY_FORMULA, {} );
+	requireText( glsl, 'normals_rectangle(', 'ltcforge shader --model normals --language glsl-es' );
+	return patch( material, glsl + BY_NORMALS, {} );
 
 }
 

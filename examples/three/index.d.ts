@@ -14,9 +14,10 @@ export interface AreaLightTable {
  * Lights a material's gloss and clearcoat by three's rectangular lights, in closed form.
  *
  * @param material - The material, which is patched in place. Throws if it has no GGX lobe, or for another version of three.js.
- * @param normalsGlsl - The output of `ltcforge shader --model normals --language glsl-es`: a module of `ltcforge-three/shaders`.
+ * @param glsl - The output of `ltcforge shader --language glsl-es` for `--model normals` or `--model ltc-formula`: a module of
+ * `ltcforge-three/shaders`.
  */
-export function withClosedFormAreaLights<M extends MeshStandardMaterial>( material: M, normalsGlsl: string ): M;
+export function withClosedFormAreaLights<M extends MeshStandardMaterial>( material: M, glsl: string ): M;
 
 /** Like {@link withClosedFormAreaLights}, with a table. `tableGlsl` is the output of `ltcforge shader --layout reflected --language glsl-es`. */
 export function withTableAreaLights<M extends MeshStandardMaterial>( material: M, tableGlsl: string, table: AreaLightTable ): M;

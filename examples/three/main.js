@@ -1,4 +1,4 @@
-// Draws the scene with three.js alone, with a table and with the three rules of the closed form, and shows the truth next to them.
+// Draws the scene with three.js alone, with a table, with an LTC without a table and with the three rules of the closed form, and shows the truth next to them.
 
 import * as THREE from 'three';
 import { RectAreaLightUniformsLib } from 'three/addons/lights/RectAreaLightUniformsLib.js';
@@ -9,6 +9,7 @@ import { fromTop } from '../common/pixels.js';
 import { camera as eye } from '../common/scene.js';
 import { loadTable, withClosedFormAreaLights, withTableAreaLights } from './ggx_area_light.js';
 import { litScene } from './lit_scene.js';
+import formula from './shaders/ltc_formula.glsl.js';
 import balanced from './shaders/normals_balanced.glsl.js';
 import fast from './shaders/normals_fast.glsl.js';
 import fine from './shaders/normals_fine.glsl.js';
@@ -39,6 +40,6 @@ RectAreaLightUniformsLib.init();
 await compare( 'three.js', {
 	stock: render( renderer, litScene( lamps, ( material ) => material ) ),
 	table: render( renderer, litScene( lamps, ( material ) => withTableAreaLights( material, tableGlsl, table ) ) ),
-	...Object.fromEntries( Object.entries( { fast, balanced, fine } ).map( ( [ rule, text ] ) =>
+	...Object.fromEntries( Object.entries( { formula, fast, balanced, fine } ).map( ( [ rule, text ] ) =>
 		[ rule, render( renderer, litScene( lamps, ( material ) => withClosedFormAreaLights( material, text ) ) ) ] ) ),
 } );

@@ -2,7 +2,7 @@
 
 /**
  * For each chunk, lines and their replacements: a text, or a function that makes it from the text of the lobe, which is
- * `BY_NORMALS`, `BY_PICTURES` or `BY_TABLE` after the functions that it calls.
+ * `BY_NORMALS`, `BY_FORMULA`, `BY_PICTURES` or `BY_TABLE` after the functions that it calls.
  */
 export const PATCHES = {
 	lights_physical_pars_fragment: [
@@ -44,7 +44,7 @@ export const PATCHES = {
  * The GLSL code that all exports share.
  *
  * @param {string} members - The members of a lobe.
- * @param {string} lobe - Sets these members of `lobe` from `alphas` and `wo`.
+ * @param {string} lobe - Sets these members of `lobe` from `alphas`, `wo` and `fresnel`, the reflectance at normal and grazing incidence.
  * @param {string} gloss - Returns the light of `corners`, which are in the tangent frame.
  */
 const glossOf = ( members, lobe, gloss ) => /* glsl */ `
@@ -58,7 +58,7 @@ const glossOf = ( members, lobe, gloss ) => /* glsl */ `
 	// The number of the light in the loop.
 	int rectAreaNumber = 0;
 
-	RectAreaLobe rect_area_lobe( const in vec3 normal, const in vec3 viewDir, const in vec3 along, const in vec2 alphas ) {
+	RectAreaLobe rect_area_lobe( const in vec3 normal, const in vec3 viewDir, const in vec3 along, const in vec2 alphas, const in vec2 fresnel ) {
 
 		// The tangent frame. GGX is symmetric in y, so the frame is right-handed for any texture coordinates.
 		vec3 tangent = normalize( along - normal * dot( normal, along ) );
@@ -83,15 +83,16 @@ const glossOf = ( members, lobe, gloss ) => /* glsl */ `
 	void rect_area_begin( const in vec3 normal, const in vec3 viewDir, const in vec3 clearcoatNormal, const in PhysicalMaterial material ) {
 
 		float alpha = pow2( material.roughness );
+		vec2 fresnel = vec2( dot( material.specularColorBlended, vec3( 1.0 / 3.0 ) ), material.specularF90 );
 
 		#ifdef USE_ANISOTROPY
-			rectAreaBase = rect_area_lobe( normal, viewDir, material.anisotropyT, vec2( material.alphaT, alpha ) );
+			rectAreaBase = rect_area_lobe( normal, viewDir, material.anisotropyT, vec2( material.alphaT, alpha ), fresnel );
 		#else
-			rectAreaBase = rect_area_lobe( normal, viewDir, rect_area_any_tangent( normal ), vec2( alpha ) );
+			rectAreaBase = rect_area_lobe( normal, viewDir, rect_area_any_tangent( normal ), vec2( alpha ), fresnel );
 		#endif
 
 		#ifdef USE_CLEARCOAT
-			rectAreaCoat = rect_area_lobe( clearcoatNormal, viewDir, rect_area_any_tangent( clearcoatNormal ), vec2( pow2( material.clearcoatRoughness ) ) );
+			rectAreaCoat = rect_area_lobe( clearcoatNormal, viewDir, rect_area_any_tangent( clearcoatNormal ), vec2( pow2( material.clearcoatRoughness ) ), vec2( material.clearcoatF0.x, material.clearcoatF90 ) );
 		#endif
 
 	}
@@ -118,6 +119,12 @@ export const BY_NORMALS = glossOf(
 	`// Schlick: y is the part of x that (1 - cos)^5 weighs.
 		vec2 parts = normals_rectangle( lobe.view, corners, false );
 		return f0 * ( parts.x - parts.y ) + f90 * parts.y;` );
+
+export const BY_FORMULA = glossOf(
+	'LtcFormula ltc;',
+	'lobe.ltc = ltc_formula( alphas.x, alphas.y, wo, fresnel.x, fresnel.y );',
+	`vec3 reflectance = f0 * ( lobe.ltc.amplitude - lobe.ltc.fresnel ) + f90 * lobe.ltc.fresnel;
+		return reflectance * ltc_rectangle( lobe.ltc.inverse, corners, false );` );
 
 /** The gloss with pictures. Corners of three's lights begin at the upper left, as seen from the side that emits. */
 export const BY_PICTURES = `

@@ -3,7 +3,7 @@
 import type { Material, MeshStandardMaterial } from 'three';
 import type { MeshStandardNodeMaterial } from 'three/webgpu';
 
-/** The output of `ltcforge shader --model normals` in WGSL and GLSL ES: modules of `ltcforge-three/shaders`. */
+/** The output of `ltcforge shader` for `--model normals` or `--model ltc-formula` in WGSL and GLSL ES: modules of `ltcforge-three/shaders`. */
 export interface ClosedFormTexts {
 	wgsl: string;
 	/** The text for WebGPURenderer's fallback on WebGL 2. */

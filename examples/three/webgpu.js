@@ -1,9 +1,23 @@
-// The closed form for WebGPURenderer of three.js: for its node materials, and for MeshStandardMaterial and
+// Closed forms for WebGPURenderer of three.js: for its node materials, and for MeshStandardMaterial and
 // MeshPhysicalMaterial, which the renderer converts to node materials. Diffuse light does not change.
 
 import { array, Loop, wgsl, wgslFn, glsl, glslFn, anisotropyT, alphaT, clearcoatNormalView, clearcoatRoughness, float, normalView, positionView, positionViewDirection, roughness, specularColorBlended, specularF90, vec2, vec3 } from 'three/tsl';
 
 export { setAlphas } from './alphas.js';
+
+/** For each model: the type of a lobe, the expression that makes it, and the two parts of the light of `corners`. */
+const MODELS = {
+	normals: {
+		type: 'NormalsView',
+		made: 'normals_view(alphas.x, alphas.y, wo)',
+		parts: 'normals_rectangle(lobe, corners, false)',
+	},
+	formula: {
+		type: 'LtcFormula',
+		made: 'ltc_formula(alphas.x, alphas.y, wo, fresnel.x, fresnel.y)',
+		parts: 'vec2(lobe.amplitude, lobe.fresnel) * ltc_rectangle(lobe.inverse, corners, false)',
+	},
+};
 
 /**
  * For each language, the functions after the text of the closed form, for a lobe with a name. Values that are the same for all
@@ -12,46 +26,52 @@ export { setAlphas } from './alphas.js';
  * that emits.
  */
 const WGSL = {
-	kept: ( name ) => /* wgsl */ `
-struct Lobe_${ name } { to_tangent_frame: mat3x3<f32>, view: NormalsView }
+	kept: ( name, { type } ) => /* wgsl */ `
+struct Lobe_${ name } { to_tangent_frame: mat3x3<f32>, lobe: ${ type } }
 var<private> lobe_${ name }: Lobe_${ name };
 `,
-	begin: ( name ) => /* wgsl */ `
-fn begin_${ name }(normal: vec3<f32>, view_dir: vec3<f32>, along: vec3<f32>, alphas: vec2<f32>) -> f32 {
+	begin: ( name, { made } ) => /* wgsl */ `
+fn begin_${ name }(normal: vec3<f32>, view_dir: vec3<f32>, along: vec3<f32>, alphas: vec2<f32>, fresnel: vec2<f32>) -> f32 {
 	let tangent = normalize(along - normal * dot(normal, along));
 	let to_tangent_frame = transpose(mat3x3(tangent, cross(normal, tangent), normal));
-	let wo = to_tangent_frame * view_dir;
-	lobe_${ name } = Lobe_${ name }(to_tangent_frame, normals_view(alphas.x, alphas.y, normalize(vec3(wo.xy, max(wo.z, 1e-3)))));
+	let seen = to_tangent_frame * view_dir;
+	let wo = normalize(vec3(seen.xy, max(seen.z, 1e-3)));
+	lobe_${ name } = Lobe_${ name }(to_tangent_frame, ${ made });
 	return 0.0;
 }`,
-	gloss: ( name ) => /* wgsl */ `
+	gloss: ( name, { parts } ) => /* wgsl */ `
 fn gloss_${ name }(f0: vec3<f32>, f90: f32, centre: vec3<f32>, half_width: vec3<f32>, half_height: vec3<f32>) -> vec3<f32> {
 	let c = lobe_${ name }.to_tangent_frame * centre;
 	let x = lobe_${ name }.to_tangent_frame * half_width;
 	let y = lobe_${ name }.to_tangent_frame * half_height;
-	let parts = normals_rectangle(lobe_${ name }.view, array(c + x + y, c - x + y, c - x - y, c + x - y), false);
+	let lobe = lobe_${ name }.lobe;
+	let corners = array(c + x + y, c - x + y, c - x - y, c + x - y);
+	let parts = ${ parts };
 	return f0 * (parts.x - parts.y) + f90 * parts.y;
 }`,
 };
 const GLSL = {
-	kept: ( name ) => /* glsl */ `
-struct Lobe_${ name } { mat3 to_tangent_frame; NormalsView view; };
+	kept: ( name, { type } ) => /* glsl */ `
+struct Lobe_${ name } { mat3 to_tangent_frame; ${ type } lobe; };
 Lobe_${ name } lobe_${ name };
 `,
-	begin: ( name ) => /* glsl */ `
-float begin_${ name }(vec3 normal, vec3 view_dir, vec3 along, vec2 alphas) {
+	begin: ( name, { made } ) => /* glsl */ `
+float begin_${ name }(vec3 normal, vec3 view_dir, vec3 along, vec2 alphas, vec2 fresnel) {
 	vec3 tangent = normalize(along - normal * dot(normal, along));
 	mat3 to_tangent_frame = transpose(mat3(tangent, cross(normal, tangent), normal));
-	vec3 wo = to_tangent_frame * view_dir;
-	lobe_${ name } = Lobe_${ name }(to_tangent_frame, normals_view(alphas.x, alphas.y, normalize(vec3(wo.xy, max(wo.z, 1e-3)))));
+	vec3 seen = to_tangent_frame * view_dir;
+	vec3 wo = normalize(vec3(seen.xy, max(seen.z, 1e-3)));
+	lobe_${ name } = Lobe_${ name }(to_tangent_frame, ${ made });
 	return 0.0;
 }`,
-	gloss: ( name ) => /* glsl */ `
+	gloss: ( name, { type, parts } ) => /* glsl */ `
 vec3 gloss_${ name }(vec3 f0, float f90, vec3 centre, vec3 half_width, vec3 half_height) {
 	vec3 c = lobe_${ name }.to_tangent_frame * centre;
 	vec3 x = lobe_${ name }.to_tangent_frame * half_width;
 	vec3 y = lobe_${ name }.to_tangent_frame * half_height;
-	vec2 parts = normals_rectangle(lobe_${ name }.view, vec3[4](c + x + y, c - x + y, c - x - y, c + x - y), false);
+	${ type } lobe = lobe_${ name }.lobe;
+	vec3[4] corners = vec3[4](c + x + y, c - x + y, c - x - y, c + x - y);
+	vec2 parts = ${ parts };
 	return f0 * (parts.x - parts.y) + f90 * parts.y;
 }`,
 };
@@ -65,8 +85,8 @@ const OWN = [ 'setupLightingModel', 'customProgramCacheKey', 'clone' ];
  *
  * @param {import('three').MeshStandardMaterial | import('three/webgpu').MeshStandardNodeMaterial} material - The material, which
  * is patched in place.
- * @param {{ wgsl: string, glsl?: string }} texts - The output of `ltcforge shader --model normals` in WGSL, and in GLSL ES for
- * WebGPURenderer's fallback on WebGL 2.
+ * @param {{ wgsl: string, glsl?: string }} texts - The output of `ltcforge shader` for `--model normals` or `--model ltc-formula`
+ * in WGSL, and in GLSL ES for WebGPURenderer's fallback on WebGL 2.
  * @returns {Object} The material.
  */
 export function withClosedFormAreaLights( material, texts ) {
@@ -77,8 +97,10 @@ export function withClosedFormAreaLights( material, texts ) {
 
 	}
 
-	if ( ! texts || ! String( texts.wgsl ).includes( 'fn normals_rectangle(' ) ) throw new TypeError( 'texts.wgsl must be the output of `ltcforge shader --model normals --language wgsl`' );
-	if ( texts.glsl !== undefined && ! String( texts.glsl ).includes( 'vec2 normals_rectangle(' ) ) throw new TypeError( 'texts.glsl must be the output of `ltcforge shader --model normals --language glsl-es`' );
+	const name = String( texts?.wgsl ).includes( 'fn ltc_formula(' ) ? 'ltc_formula' : 'normals_rectangle';
+	const model = name === 'ltc_formula' ? 'ltc-formula' : 'normals';
+	if ( ! texts || ! String( texts.wgsl ).includes( `fn ${ name }(` ) ) throw new TypeError( 'texts.wgsl must be the output of `ltcforge shader --language wgsl`, with `--model normals` or `--model ltc-formula`' );
+	if ( texts.glsl !== undefined && ! String( texts.glsl ).includes( ` ${ name }(` ) ) throw new TypeError( `texts.glsl must be the output of \`ltcforge shader --model ${ model } --language glsl-es\`` );
 	withoutAreaLights( material );
 	const own = Object.fromEntries( OWN.filter( ( name ) => Object.hasOwn( material, name ) ).map( ( name ) => [ name, material[ name ] ] ) );
 	patches.set( material, own );
@@ -135,20 +157,22 @@ function lit( model, texts ) {
 		if ( ! isWebGPU && ! texts.glsl ) throw new Error( 'WebGPURenderer uses WebGL 2 here, which needs texts.glsl' );
 		const [ code, fn, own ] = isWebGPU ? [ wgsl, wgslFn, WGSL ] : [ glsl, glslFn, GLSL ];
 		const text = code( isWebGPU ? texts.wgsl : texts.glsl );
+		const form = MODELS[ texts.wgsl.includes( 'fn ltc_formula(' ) ? 'formula' : 'normals' ];
 
 		// This runs once a fragment, before the lights.
-		const begin = ( name, normal, along, alphas ) => {
+		const begin = ( name, normal, along, alphas, f0, f90 ) => {
 
-			const kept = code( own.kept( name ), [ text ] );
-			fn( own.begin( name ), [ kept ] )( normal, positionViewDirection, along, alphas ).toVar();
-			gloss[ name ] = fn( own.gloss( name ), [ kept ] );
+			const kept = code( own.kept( name, form ), [ text ] );
+			fn( own.begin( name, form ), [ kept ] )( normal, positionViewDirection, along, alphas, vec2( f0, f90 ) ).toVar();
+			gloss[ name ] = fn( own.gloss( name, form ), [ kept ] );
 
 		};
 		const anyTangent = ( normal ) => normal.x.abs().lessThan( 0.9 ).select( vec3( 1, 0, 0 ), vec3( 0, 1, 0 ) );
 		const alpha = roughness.pow2();
-		if ( this.anisotropy ) begin( 'base', normalView, anisotropyT, vec2( alphaT.max( alpha ), alpha ) );
-		else begin( 'base', normalView, anyTangent( normalView ), vec2( alpha, alpha ) );
-		if ( this.clearcoat ) begin( 'coat', clearcoatNormalView, anyTangent( clearcoatNormalView ), vec2( clearcoatRoughness.pow2() ) );
+		const base = [ specularColorBlended.dot( vec3( 1 / 3 ) ), specularF90 ];
+		if ( this.anisotropy ) begin( 'base', normalView, anisotropyT, vec2( alphaT.max( alpha ), alpha ), ...base );
+		else begin( 'base', normalView, anyTangent( normalView ), vec2( alpha, alpha ), ...base );
+		if ( this.clearcoat ) begin( 'coat', clearcoatNormalView, anyTangent( clearcoatNormalView ), vec2( clearcoatRoughness.pow2() ), 0.04, 1 );
 		// This calls the lights, which are only collected. three writes the code of each light one after another. Here a loop runs
 		// over several lights, so drivers compile it once. One light compiles faster without a loop.
 		const areas = [];

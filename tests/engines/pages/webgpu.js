@@ -1,4 +1,4 @@
-// WebGPURenderer with the patch of examples/three: the scene of examples/three by stock three.js and by each rule, also
+// WebGPURenderer with the patch of examples/three: the scene of examples/three by stock three.js, by ltc-formula and by each rule, also
 // under clearcoat, and the milliseconds of each first draw.
 
 import * as THREE from 'three/webgpu';
@@ -42,16 +42,21 @@ export async function draw( { width, height, lights, forceWebGL, only, ways } ) 
 
 	};
 
-	const texts = async ( rule ) => ( {
-		wgsl: ( await import( `/examples/three/shaders/normals_${ rule }.wgsl.js` ) ).default,
-		glsl: ( await import( `/examples/three/shaders/normals_${ rule }.glsl.js` ) ).default,
-	} );
+	const texts = async ( rule ) => {
+
+		const name = rule === 'formula' ? 'ltc_formula' : `normals_${ rule }`;
+		return {
+			wgsl: ( await import( `/examples/three/shaders/${ name }.wgsl.js` ) ).default,
+			glsl: ( await import( `/examples/three/shaders/${ name }.glsl.js` ) ).default,
+		};
+
+	};
 	const lamps = lightsOf( lights );
 	await render( litScene( [], ( material ) => new THREE.MeshBasicMaterial( { color: material.color } ) ) );
 	const of = {};
-	for ( const way of ways || [ 'stock', 'fast', 'balanced', 'fine', 'node', 'clone', 'undone' ] ) {
+	for ( const way of ways || [ 'stock', 'formula', 'fast', 'balanced', 'fine', 'node', 'clone', 'undone' ] ) {
 
-		const text = way === 'stock' ? null : await texts( [ 'fast', 'fine' ].includes( way ) ? way : 'balanced' );
+		const text = way === 'stock' ? null : await texts( [ 'formula', 'fast', 'fine' ].includes( way ) ? way : 'balanced' );
 		const patch = {
 			stock: ( material ) => material,
 			clone: ( material ) => withClosedFormAreaLights( material, text ).clone(),
