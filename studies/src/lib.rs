@@ -25,6 +25,7 @@ pub mod materials;
 pub mod minimax;
 pub mod models;
 pub mod networks;
+pub mod paths;
 pub mod prefilter;
 pub mod source;
 pub mod tables;

@@ -149,11 +149,21 @@ pub struct Case {
     pub truth: [f64; 2],
 }
 
+/// `count` surfaces and lights of a kind. Equal arguments give equal lights.
+#[must_use]
+pub fn lits(kind: Kind, seed: u64, count: usize) -> Vec<Lit> {
+    drawn(kind, seed, count).into_iter().map(|(lit, _)| lit).collect()
+}
+
+fn drawn(kind: Kind, seed: u64, count: usize) -> Vec<(Lit, PolygonLight)> {
+    let mut draw = Generator(Draw::new(seed));
+    (0..count).map(|_| draw.valid(kind)).collect()
+}
+
 /// `count` cases of a kind. Equal arguments give equal cases.
 #[must_use]
 pub fn cases(kind: Kind, seed: u64, count: usize) -> Vec<Case> {
-    let mut draw = Generator(Draw::new(seed));
-    let lights: Vec<(Lit, PolygonLight)> = (0..count).map(|_| draw.valid(kind)).collect();
+    let lights = drawn(kind, seed, count);
     let case = |(lit, light): (Lit, PolygonLight)| {
         let tolerance = if matches!(kind, Kind::Extreme | Kind::Needle) { TOLERANCE_OF_EXTREMES } else { TOLERANCE };
         let truth = truth_within(tolerance, &lit.at, &light).map_or([0.0; 2], |truth| [truth.energy, truth.fresnel]);

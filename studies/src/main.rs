@@ -20,7 +20,7 @@ use ltcforge_studies::{
     figures::Figure,
     formula, glass, gpu_costs, gpu_times, l3, light_errors, materials, minimax, models,
     networks::{self, Numbers, Options},
-    prefilter, tabulated, textured,
+    paths, prefilter, tabulated, textured,
 };
 
 #[derive(Parser)]
@@ -52,6 +52,15 @@ enum Study {
         /// Print the current numbers without a search
         #[arg(long)]
         current: bool,
+    },
+    /// Print the faults of model `normals` along paths
+    Paths {
+        /// Seed of the paths
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// Factor on the number of paths
+        #[arg(long, default_value_t = 1.0)]
+        scale: f64,
     },
     /// Find `BULGE` of src/light/normals/arcs.rs: arcs that replace edges
     Arcs {
@@ -223,6 +232,7 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
                 println!("{name:16}  {current:.3e}  {found:.3e}");
             }
         }
+        Study::Paths { seed, scale } => print!("{}", paths::table(seed, scale)),
         Study::Formula { current: true, .. } => {
             print!("{}", formula::by_kind(1, 4000, &[("current", &formula::COEFFICIENTS)]));
         }
