@@ -168,7 +168,6 @@ pub fn measure(seed: u64, scale: f64, reflected: impl Fn(&Lit) -> [f64; 2] + Syn
 }
 
 /// The light by a rule.
-#[must_use]
 pub fn by_rule(rule: NormalsRule) -> impl Fn(&Lit) -> [f64; 2] + Sync {
     move |lit| reflected(lit.alpha(), lit.wo(), &lit.vertices, Sides::Two, rule)
 }
