@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// ltcforge 0.1.0, revision 2, sha256 of the text below: d718b400b81cbc8e
+// ltcforge 0.1.0, revision 1, sha256 of the text below: 5a92ac72d6310587
 // Linearly Transformed Cosines: area lights on anisotropic GGX, by a formula, without a table.
 //
 // FUNCTIONS
@@ -18,11 +18,11 @@
 //   (-1 -1 1) (1 -1 1) (1 1.5 -0.5) (-1 1.5 -0.5).
 //   A port in 32 bits comes within 0.00002 of each number.
 //   alpha_x 0.3 alpha_y 0.15 wo (0.36 0.48 0.8)
-//     0.911250 0.000752 0.803896 | 0.911250 0.000752 0.803421
+//     0.908257 0.001018 0.802197 | 0.908257 0.001018 0.801577
 //   alpha_x 0.2 alpha_y 0.6 wo (-0.64 0.48 0.6)
-//     0.744928 0.007078 0.728062 | 0.744928 0.007078 0.701894
+//     0.738604 0.008137 0.729490 | 0.738604 0.008137 0.701043
 //   alpha_x 0.05 alpha_y 0.02 wo (0.576 -0.768 0.28)
-//     0.993619 0.189270 0.998228 | 0.993619 0.189270 0.998234
+//     0.991439 0.189741 0.998539 | 0.991439 0.189741 0.998541
 
 // Integrates a Linearly Transformed Cosine over a rectangle. Corners are relative to the shaded point, in its tangent
 // frame, normal +z. They run clockwise as seen from the side that emits.
@@ -105,7 +105,7 @@ struct LtcFormula {
 };
 
 // The lobe of a material with reflectance f0 at normal and f90 at grazing incidence. For metals pass 1.0, 1.0: this is
-// cheaper and looks nearly the same. wo is the view direction in the tangent frame, normal +z, of unit length.
+// cheaper, and nearly the same. wo is the view direction in the tangent frame, normal +z, of unit length.
 LtcFormula ltc_formula(float alpha_x, float alpha_y, vec3 wo, float f0, float f90) {
     vec2 a = max(vec2(alpha_x, alpha_y), vec2(1e-5));
     float larger = max(a.x, a.y);
@@ -124,38 +124,38 @@ LtcFormula ltc_formula(float alpha_x, float alpha_y, vec3 wo, float f0, float f9
     float rise = max(r.z, 1e-4) * inversesqrt(dot(r_stretched, r_stretched));
     // Smith's G2 / G1.
     float g = (1.0 + mu) * rise / (rise + mu);
-    float by_larger = larger * (0.4012 * larger - 0.8814 * g)
-        + smaller * 0.4719 * smaller
-        + mu * (0.2113 * mu - 0.5783 * rise)
-        + 0.3696;
-    float by_smaller = smaller * (0.09071 * mu - 1.52 * rise + 0.6974) + mu * -0.2018 * size + rise * 1.564 - 1.388;
-    float incidence = mu * (-0.757 * g - 0.1749 * smaller + 0.8054)
-        + smaller * 0.3681 * d
-        + larger * 0.1433 * size
-        + g * 0.9516;
+    float by_larger = larger * (0.3606 * larger - 0.7649 * g)
+        + smaller * 0.7905 * smaller
+        + mu * (0.3165 * mu - 0.6515 * rise)
+        + 0.3192;
+    float by_smaller = larger * -0.3601 * mu + smaller * (0.1624 * mu - 2.312 * rise + 1.389) + rise * 0.3065 - 0.2533;
+    float incidence = mu * (-0.7474 * g - 0.1998 * smaller + 0.7915)
+        + smaller * (0.5865 * d - 0.2242 * smaller)
+        + larger * 0.1321 * size
+        + g * 0.9561;
     float amplitude = clamp(g * g + larger * by_larger + smaller * by_smaller, 0.0, 1.0);
     float m = clamp(incidence - d, 0.0, 1.0);
     float fresnel = amplitude * (m * m) * (m * m) * m;
-    // The part of the light that Schlick's factor reflects.
+    // Fraction of the light due to Schlick's (f90 - f0).
     float weighed = max(f90 - f0, 0.0) * fresnel;
     float share = weighed / max(f0 * amplitude + weighed, 1e-30);
-    float swell = larger * (-1.38 * size + 1.422 * d)
-        + smaller * (0.7947 * size + 0.08377)
-        + mu * 0.2033 * d
-        + size * (2.063 * rise - 2.241);
-    float lift = mu * 2.366 * mu + rise * 2.077 * rise + share * (6.067 * d - 1.531);
-    float along = larger * (2.915 * larger - 4.753)
-        + mu * 2.314 * mu
-        + g * 1.828
-        + rise * 2.587
-        + share * (-0.7071 * rise - 1.424);
-    float row = -1.929 + rise * -0.5785 + mu * 1.313 + size * (-3.626 * d + 4.163) + g * -0.3537;
-    vec2 tilt = a * (0.2994 * a - 0.442 * mu)
-        + mu * -0.224
-        + d * (-1.902 * size + 2.659 * rise)
-        + rise * -1.669
-        + share * 1.386;
-    vec2 stretch = a * (0.3798 * a + 0.8316 * mu + 0.2164 * smaller + 0.383 * larger - 0.8155);
+    float swell = larger * (-0.9696 * size + 1.01 * d)
+        + smaller * 0.9295 * size
+        + mu * 0.3992 * d
+        + size * (1.392 * rise - 1.767);
+    float lift = mu * 2.14 * mu + rise * 2.12 * rise + share * (5.773 * d - 1.058);
+    float along = larger * (1.869 * larger - 4.093)
+        + mu * 2.646 * mu
+        + g * 1.896
+        + rise * 2.287
+        + share * (-1.101 * rise - 1.286);
+    float row = -0.9713 + rise * -1.452 + mu * 1.22 + size * (-3.319 * d + 3.99) + g * -0.4978;
+    vec2 tilt = a * (0.4684 * a - 0.7911 * mu)
+        + mu * -0.215
+        + d * (-2.333 * size + 3.053 * rise)
+        + rise * -1.654
+        + share * 1.301;
+    vec2 stretch = a * (0.4713 * a + 0.8451 * mu + 0.2945 * smaller + 0.2964 * larger - 0.8417);
     vec3 tangent = (1.0 + larger * swell) * r + vec3(0.0, 0.0, larger * lift * (1.0 - c.z));
     // The determinant is a multiple of 1 + rho . o. Without corrections, it is 2 d^2.
     vec3 rho = tangent + max(d * d - (1.0 + dot(tangent, o)), 0.0) * o;

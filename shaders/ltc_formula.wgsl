@@ -10,7 +10,7 @@ struct LtcFormula {
 }
 
 /// The lobe of a material with reflectance f0 at normal and f90 at grazing incidence. For metals pass 1.0, 1.0: this is
-/// cheaper and looks nearly the same. wo is the view direction in the tangent frame, normal +z, of unit length.
+/// cheaper, and nearly the same. wo is the view direction in the tangent frame, normal +z, of unit length.
 fn ltc_formula(alpha_x: f32, alpha_y: f32, wo: vec3<f32>, f0: f32, f90: f32) -> LtcFormula {
     let a = max(vec2(alpha_x, alpha_y), vec2(1e-5));
     let larger = max(a.x, a.y);
@@ -29,38 +29,38 @@ fn ltc_formula(alpha_x: f32, alpha_y: f32, wo: vec3<f32>, f0: f32, f90: f32) -> 
     let rise = max(r.z, 1e-4) * inverseSqrt(dot(r_stretched, r_stretched));
     // Smith's G2 / G1.
     let g = (1.0 + mu) * rise / (rise + mu);
-    let by_larger = larger * (0.4012 * larger - 0.8814 * g)
-        + smaller * 0.4719 * smaller
-        + mu * (0.2113 * mu - 0.5783 * rise)
-        + 0.3696;
-    let by_smaller = smaller * (0.09071 * mu - 1.52 * rise + 0.6974) + mu * -0.2018 * size + rise * 1.564 - 1.388;
-    let incidence = mu * (-0.757 * g - 0.1749 * smaller + 0.8054)
-        + smaller * 0.3681 * d
-        + larger * 0.1433 * size
-        + g * 0.9516;
+    let by_larger = larger * (0.3606 * larger - 0.7649 * g)
+        + smaller * 0.7905 * smaller
+        + mu * (0.3165 * mu - 0.6515 * rise)
+        + 0.3192;
+    let by_smaller = larger * -0.3601 * mu + smaller * (0.1624 * mu - 2.312 * rise + 1.389) + rise * 0.3065 - 0.2533;
+    let incidence = mu * (-0.7474 * g - 0.1998 * smaller + 0.7915)
+        + smaller * (0.5865 * d - 0.2242 * smaller)
+        + larger * 0.1321 * size
+        + g * 0.9561;
     let amplitude = saturate(g * g + larger * by_larger + smaller * by_smaller);
     let m = saturate(incidence - d);
     let fresnel = amplitude * (m * m) * (m * m) * m;
-    // The part of the light that Schlick's factor reflects.
+    // Fraction of the light due to Schlick's (f90 - f0).
     let weighed = max(f90 - f0, 0.0) * fresnel;
     let share = weighed / max(f0 * amplitude + weighed, 1e-30);
-    let swell = larger * (-1.38 * size + 1.422 * d)
-        + smaller * (0.7947 * size + 0.08377)
-        + mu * 0.2033 * d
-        + size * (2.063 * rise - 2.241);
-    let lift = mu * 2.366 * mu + rise * 2.077 * rise + share * (6.067 * d - 1.531);
-    let along = larger * (2.915 * larger - 4.753)
-        + mu * 2.314 * mu
-        + g * 1.828
-        + rise * 2.587
-        + share * (-0.7071 * rise - 1.424);
-    let row = -1.929 + rise * -0.5785 + mu * 1.313 + size * (-3.626 * d + 4.163) + g * -0.3537;
-    let tilt = a * (0.2994 * a - 0.442 * mu)
-        + mu * -0.224
-        + d * (-1.902 * size + 2.659 * rise)
-        + rise * -1.669
-        + share * 1.386;
-    let stretch = a * (0.3798 * a + 0.8316 * mu + 0.2164 * smaller + 0.383 * larger - 0.8155);
+    let swell = larger * (-0.9696 * size + 1.01 * d)
+        + smaller * 0.9295 * size
+        + mu * 0.3992 * d
+        + size * (1.392 * rise - 1.767);
+    let lift = mu * 2.14 * mu + rise * 2.12 * rise + share * (5.773 * d - 1.058);
+    let along = larger * (1.869 * larger - 4.093)
+        + mu * 2.646 * mu
+        + g * 1.896
+        + rise * 2.287
+        + share * (-1.101 * rise - 1.286);
+    let row = -0.9713 + rise * -1.452 + mu * 1.22 + size * (-3.319 * d + 3.99) + g * -0.4978;
+    let tilt = a * (0.4684 * a - 0.7911 * mu)
+        + mu * -0.215
+        + d * (-2.333 * size + 3.053 * rise)
+        + rise * -1.654
+        + share * 1.301;
+    let stretch = a * (0.4713 * a + 0.8451 * mu + 0.2945 * smaller + 0.2964 * larger - 0.8417);
     let tangent = (1.0 + larger * swell) * r + vec3(0.0, 0.0, larger * lift * (1.0 - c.z));
     // The determinant is a multiple of 1 + rho . o. Without corrections, it is 2 d^2.
     let rho = tangent + max(d * d - (1.0 + dot(tangent, o)), 0.0) * o;

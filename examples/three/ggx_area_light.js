@@ -27,7 +27,7 @@ const patches = new WeakMap();
 export function withClosedFormAreaLights( material, glsl ) {
 
 	if ( String( glsl ).includes( 'ltc_formula(' ) ) return patch( material, glsl + BY_FORMULA, {} );
-	requireText( glsl, 'normals_rectangle(', 'ltcforge shader --model normals --language glsl-es' );
+	requireText( glsl, 'normals_rectangle(', 'ltcforge shader --model normals (or ltc-formula) --language glsl-es' );
 	return patch( material, glsl + BY_NORMALS, {} );
 
 }

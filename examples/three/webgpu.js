@@ -9,12 +9,12 @@ export { setAlphas } from './alphas.js';
 const MODELS = {
 	normals: {
 		type: 'NormalsView',
-		made: 'normals_view(alphas.x, alphas.y, wo)',
+		make: 'normals_view(alphas.x, alphas.y, wo)',
 		parts: 'normals_rectangle(lobe, corners, false)',
 	},
 	formula: {
 		type: 'LtcFormula',
-		made: 'ltc_formula(alphas.x, alphas.y, wo, fresnel.x, fresnel.y)',
+		make: 'ltc_formula(alphas.x, alphas.y, wo, fresnel.x, fresnel.y)',
 		parts: 'vec2(lobe.amplitude, lobe.fresnel) * ltc_rectangle(lobe.inverse, corners, false)',
 	},
 };
@@ -30,13 +30,13 @@ const WGSL = {
 struct Lobe_${ name } { to_tangent_frame: mat3x3<f32>, lobe: ${ type } }
 var<private> lobe_${ name }: Lobe_${ name };
 `,
-	begin: ( name, { made } ) => /* wgsl */ `
+	begin: ( name, { make } ) => /* wgsl */ `
 fn begin_${ name }(normal: vec3<f32>, view_dir: vec3<f32>, along: vec3<f32>, alphas: vec2<f32>, fresnel: vec2<f32>) -> f32 {
 	let tangent = normalize(along - normal * dot(normal, along));
 	let to_tangent_frame = transpose(mat3x3(tangent, cross(normal, tangent), normal));
 	let seen = to_tangent_frame * view_dir;
 	let wo = normalize(vec3(seen.xy, max(seen.z, 1e-3)));
-	lobe_${ name } = Lobe_${ name }(to_tangent_frame, ${ made });
+	lobe_${ name } = Lobe_${ name }(to_tangent_frame, ${ make });
 	return 0.0;
 }`,
 	gloss: ( name, { parts } ) => /* wgsl */ `
@@ -55,13 +55,13 @@ const GLSL = {
 struct Lobe_${ name } { mat3 to_tangent_frame; ${ type } lobe; };
 Lobe_${ name } lobe_${ name };
 `,
-	begin: ( name, { made } ) => /* glsl */ `
+	begin: ( name, { make } ) => /* glsl */ `
 float begin_${ name }(vec3 normal, vec3 view_dir, vec3 along, vec2 alphas, vec2 fresnel) {
 	vec3 tangent = normalize(along - normal * dot(normal, along));
 	mat3 to_tangent_frame = transpose(mat3(tangent, cross(normal, tangent), normal));
 	vec3 seen = to_tangent_frame * view_dir;
 	vec3 wo = normalize(vec3(seen.xy, max(seen.z, 1e-3)));
-	lobe_${ name } = Lobe_${ name }(to_tangent_frame, ${ made });
+	lobe_${ name } = Lobe_${ name }(to_tangent_frame, ${ make });
 	return 0.0;
 }`,
 	gloss: ( name, { type, parts } ) => /* glsl */ `
@@ -100,7 +100,7 @@ export function withClosedFormAreaLights( material, texts ) {
 	const name = String( texts?.wgsl ).includes( 'fn ltc_formula(' ) ? 'ltc_formula' : 'normals_rectangle';
 	const model = name === 'ltc_formula' ? 'ltc-formula' : 'normals';
 	if ( ! texts || ! String( texts.wgsl ).includes( `fn ${ name }(` ) ) throw new TypeError( 'texts.wgsl must be the output of `ltcforge shader --language wgsl`, with `--model normals` or `--model ltc-formula`' );
-	if ( texts.glsl !== undefined && ! String( texts.glsl ).includes( ` ${ name }(` ) ) throw new TypeError( `texts.glsl must be the output of \`ltcforge shader --model ${ model } --language glsl-es\`` );
+	if ( texts.glsl !== undefined && ! String( texts.glsl ).includes( `${ name === 'ltc_formula' ? 'LtcFormula' : 'vec2' } ${ name }(` ) ) throw new TypeError( `texts.glsl must be the output of \`ltcforge shader --model ${ model } --language glsl-es\`` );
 	withoutAreaLights( material );
 	const own = Object.fromEntries( OWN.filter( ( name ) => Object.hasOwn( material, name ) ).map( ( name ) => [ name, material[ name ] ] ) );
 	patches.set( material, own );

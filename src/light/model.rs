@@ -89,7 +89,7 @@ impl LightModel {
         matches!(self, Self::Ltc | Self::LtcFormula)
     }
 
-    /// True for models that light surfaces by rectangles with pictures.
+    /// True for models that support pictures on rectangle lights.
     #[must_use]
     pub fn has_pictures(self) -> bool {
         self.is_of_ltcs() || self == Self::Normals

@@ -62,7 +62,9 @@ pub(crate) struct WithoutTable {
 impl WithoutTable {
     fn new(model: LightModel, rule: Option<NormalsRule>) -> Self {
         let mut without = Self { model, rule, gpu_cost: None, light_error: None };
-        without.gpu_cost = GpuCost::of(&without.name(" "));
+        // The lobe of a metal takes fewer instructions, but a shader serves all materials.
+        let plastic = if model == LightModel::LtcFormula { ", plastic" } else { "" };
+        without.gpu_cost = GpuCost::of(&format!("{}{plastic}", without.name(" ")));
         without
     }
 
@@ -99,10 +101,10 @@ impl Shading {
         let forms = NormalsRule::SHADED.iter().map(|rule| (LightModel::Normals, Some(*rule)));
         let forms = forms.chain([(LightModel::LtcFormula, None)]).filter(|_| needs.brdf == BrdfKind::Ggx);
         let without_table: Vec<WithoutTable> = forms.map(|(model, rule)| WithoutTable::new(model, rule)).collect();
-        let within = without_table.iter().enumerate().filter(|(_, without)| limit.allows(without.gpu_cost));
+        let mut within = without_table.iter().enumerate().filter(|(_, without)| limit.allows(without.gpu_cost));
         // A model with more instructions has less error.
         let instructions = |(_, without): &(usize, &WithoutTable)| without.gpu_cost.map(|cost| cost.instructions);
-        let finest = if limit.is_any() { within.max_by_key(instructions) } else { within.min_by_key(|(i, _)| *i) };
+        let finest = if limit.is_any() { within.max_by_key(instructions) } else { within.next() };
         let chosen = finest.map(|(i, _)| i);
         let gpu_cost = text_cost_of(recipe);
         Self { gpu_cost, is_table_readable: limit.allows(gpu_cost), light_error: None, chosen, without_table, limit }

@@ -5,8 +5,8 @@ use ltcforge_light::LightModel;
 
 const CUT: &str = "\
 LIGHT FROM BELOW
-  ltc_cut_rectangle{shapes}: same arguments.
-      Their lobes end at the surface, so no light shines through from below. Without the cut, up to a fifth of a light
+  ltc_cut_rectangle{shapes}: the same arguments,
+      but the lobe ends at the surface, so no light shines through from below. Without the cut, up to a fifth of a light
       below the surface shines through.
 ";
 const CUT_POLYGONS: &str = ", ltc_cut_polygon";

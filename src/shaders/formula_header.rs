@@ -31,7 +31,7 @@ pub(super) const SHADER: ModelShader = ModelShader {
 };
 
 /// The revision. It is raised when the values of the check change.
-const REVISION: u32 = 2;
+const REVISION: u32 = 1;
 
 /// The first part of the comment: description and functions.
 const ABOUT: &str = "\

@@ -76,7 +76,8 @@ pub const SHADERS: [Shader; 51] = [
 /// The parts that read a table in volumes.
 const TABLE: [&str; 4] = ["ltc_quadrant", "texels_volumes", "ltc_table", "ltc_lookup"];
 
-/// The named shaders as one text, ordered as in [`SHADERS`]. Without `ltc_light`, the exact rectangle is the only one.
+/// The named shaders as one text, ordered as in [`SHADERS`]. Without `ltc_light`, `ltc_exact_rectangle` is renamed to
+/// `ltc_rectangle`.
 #[must_use]
 pub fn joined(names: &[&str]) -> String {
     let sources: Vec<&str> = SHADERS.iter().filter(|s| names.contains(&s.name)).map(|shader| shader.source).collect();

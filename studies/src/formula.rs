@@ -46,9 +46,10 @@ const LEAST: f64 = 0.1;
 const OF_SCHLICK: f64 = 0.5;
 
 /// The kinds in the search, and their weights.
-const KINDS: [(Kind, f64); 13] = [
+const KINDS: [(Kind, f64); 14] = [
     (Kind::Random, 4.0),
-    (Kind::Anisotropic, 5.0),
+    (Kind::Isotropic, 2.5),
+    (Kind::Anisotropic, 9.0),
     (Kind::Huge, 2.0),
     (Kind::Extreme, 0.5),
     (Kind::NearHorizon, 0.5),
@@ -242,7 +243,7 @@ fn solved(mut matrix: Vec<Vec<f64>>, right: &[f64]) -> Option<Vec<f64>> {
     Some(x)
 }
 
-/// Starting coefficients: no corrections; half of the shadowed light is kept.
+/// Starting coefficients: no corrections. The amplitude is `g^2`, and the incidence is `g`.
 fn start() -> [f64; COUNT] {
     let mut numbers = [0.0; COUNT];
     let mut set = |polynomial: Polynomial, product: [Feature; 2], value| {
@@ -385,8 +386,17 @@ fn word(feature: Feature) -> &'static str {
 /// A Markdown table of errors by kind.
 #[must_use]
 pub fn by_kind(seed: u64, lights: usize, candidates: &[(&str, &[f64; COUNT])]) -> String {
-    let kinds =
-        [Kind::Random, Kind::Anisotropic, Kind::Sharp, Kind::Steep, Kind::Strip, Kind::Huge, Kind::Tiny, Kind::Extreme];
+    let kinds = [
+        Kind::Random,
+        Kind::Anisotropic,
+        Kind::Sharp,
+        Kind::Steep,
+        Kind::Strip,
+        Kind::Huge,
+        Kind::Tiny,
+        Kind::Extreme,
+        Kind::Isotropic,
+    ];
     let mut out = "| lights |".to_owned();
     for (name, _) in candidates {
         let _ = write!(out, " {name}: energy mean / p95 / max; Schlick; plastic |");

@@ -27,6 +27,8 @@ pub enum Kind {
     /// Any surface, and a rectangle at distance one around a direction that the lobe reflects. Its half sides are 0.05
     /// to 1.2, before one is stretched by up to e and the other shrunk by the same factor.
     Random,
+    /// Isotropic surfaces with alpha 0.02 to 1, and rectangles whose half sides have the geometric means 0.05 to 50.
+    Isotropic,
     /// `Random` with alpha 0.1 to 0.6 and ratio 0.03 to 0.23.
     Anisotropic,
     /// Rectangles whose half sides have the geometric mean 50. They fill nearly half of all directions.
@@ -90,6 +92,7 @@ impl Kind {
     pub fn name(self) -> &'static str {
         match self {
             Self::Random => "random",
+            Self::Isotropic => "isotropic, alpha .02 to 1",
             Self::Anisotropic => "random, strongly anisotropic",
             Self::Huge => "of 50 radii, nearly half of all directions",
             Self::Extreme => "extremes: alpha 1e-4 to 1, ratio .05 to 1, sizes 0.002 to 50, views to 89.9 degrees",
@@ -236,6 +239,7 @@ const ALL: Surfaces = Surfaces {
 };
 const ANISOTROPIC: Surfaces =
     Surfaces { alpha: |draw| draw.0.within(0.1, 0.6), other: |draw, alpha| alpha * draw.0.within(0.03, 0.23), ..ALL };
+const ISOTROPIC: Surfaces = Surfaces { alpha: |draw| draw.0.within(0.02, 1.0), other: |_, alpha| alpha, ..ALL };
 const EXTREME: Surfaces = Surfaces {
     alpha: |draw| draw.0.logarithmic(1e-4, 1.0),
     other: |draw, alpha| alpha * draw.0.within(0.05, 1.0),
@@ -274,6 +278,7 @@ impl Generator {
     fn lit(&mut self, kind: Kind) -> (Configuration, [DVec3; 4]) {
         match kind {
             Kind::Random => self.around_lobe(&ALL, USUAL, 1.0),
+            Kind::Isotropic => self.around_lobe(&ISOTROPIC, [0.05, 50.0], 1.0),
             Kind::Anisotropic => self.around_lobe(&ANISOTROPIC, USUAL, 1.0),
             Kind::Huge => self.around_lobe(&ALL, [50.0, 50.0], 1.0),
             Kind::Extreme => self.around_lobe(&EXTREME, [0.002, 50.0], 1.0),

@@ -13,7 +13,7 @@ use ltcforge_studies::{
     tabulated::{self, grouped},
 };
 
-const COEFFICIENTS: &str = include_str!("../../src/light/normals/numbers.rs");
+const NUMBERS: &str = include_str!("../../src/light/normals/numbers.rs");
 /// The shaders of the rules, ordered as [`NormalsRule::SHADED`].
 const SHADERS: [&str; 3] = [
     include_str!("../../shaders/normals_balanced.wgsl"),
@@ -35,7 +35,7 @@ fn the_numbers_of_networks_are_printed_as_in_the_sources() {
         let (units, outputs) = (networks::units(rule), networks::outputs(rule));
         assert_eq!((numbers.units.len(), numbers.outputs.len()), (units, outputs), "{rule}");
         for text in [numbers.as_rust(rule), numbers.as_wgsl(rule)] {
-            assert!(COEFFICIENTS.contains(&text) || shader.contains(&text), "{text}");
+            assert!(NUMBERS.contains(&text) || shader.contains(&text), "{text}");
         }
     }
 }

@@ -26,7 +26,7 @@ impl<T: Scalar> CosineSpace<T> {
         Self { rows, determinant: dot(rows[2], cross(rows[0], rows[1])) }
     }
 
-    /// Like [`Self::new`], but the caller gives the determinant.
+    /// Like [`Self::new`], with the determinant from the caller.
     pub(super) fn with_determinant(rows: [Triple<T>; 3], determinant: T) -> Self {
         Self { rows, determinant }
     }

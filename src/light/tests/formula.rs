@@ -6,6 +6,7 @@ use glam::{DQuat, DVec3};
 
 use crate::{
     ClosedForm, EVERYWHERE, LightModel, Lighting, RandomLights, ShapedLight,
+    albedo::sampled,
     cases::{Draw, Lit, Roughness},
     light_error,
     ltc::FormulaLobe,
@@ -21,7 +22,7 @@ fn energy(lit: &Lit) -> f64 {
     form().reflected(&lit.at, &lit.light(Sides::Two)).expect("a surface").energy
 }
 
-/// Limits a tenth above the measured errors.
+/// The limits are a tenth above the measured errors.
 #[test]
 fn random_lights_are_off_by_half_a_percent_and_plastics_by_three() {
     let lights = RandomLights::draw(&BrdfKind::Ggx.into(), &EVERYWHERE, 1500).expect("ranges of a table");
@@ -29,8 +30,27 @@ fn random_lights_are_off_by_half_a_percent_and_plastics_by_three() {
     let metal = light_error(formula, &lights).expect("a surface");
     let plastic = material_error(formula, &lights, 0.04).expect("a surface").mean / lights.mean_reflected(0.04);
     println!("metal {metal:?}, plastic {plastic}");
-    assert!(metal.mean < 0.0058 && metal.p95 < 0.0253, "{metal:?}");
-    assert!(plastic < 0.0297, "{plastic}");
+    assert!(metal.mean < 0.0061 && metal.p95 < 0.026, "{metal:?}");
+    assert!(plastic < 0.031, "{plastic}");
+}
+
+/// The amplitude is near the mean of samples, also for rough isotropic surfaces: alpha .02 to 1, views to 85 degrees.
+#[test]
+fn the_amplitude_is_near_the_albedo() {
+    let mut draw = Draw::new(316);
+    let errors: Vec<f64> = (0..400)
+        .map(|i| {
+            let alpha = draw.within(0.02, 1.0);
+            let other = if i % 2 == 0 { alpha } else { alpha * draw.within(0.1, 1.0) };
+            let theta = draw.within(0.0, 85_f64.to_radians());
+            let at = Configuration { alpha_x: alpha, alpha_y: other, theta, phi: draw.within(0.0, TAU) };
+            let wanted = sampled(&BrdfKind::Ggx.into(), &at).expect("a surface");
+            (Lighting::ClosedForm(form()).albedo(&at).expect("an albedo") - wanted).abs()
+        })
+        .collect();
+    let (mean, most) = (errors.iter().sum::<f64>() / 400.0, errors.iter().copied().fold(0.0, f64::max));
+    println!("mean {mean:.4}, max {most:.4}");
+    assert!(mean < 0.008 && most < 0.05, "{mean} {most}");
 }
 
 /// Mirrored scenes, scenes with x and y exchanged, and lights whose corners are listed in another order are equal.
@@ -125,7 +145,7 @@ fn compensated_white_metal_reflects_the_whole_sky() {
     }
 }
 
-/// Disks are integrated as they are, and the cut leaves no light from below the surface. F82's edge follows.
+/// Disks are integrated as they are, and the cut leaves no light from below the surface. The cut also removes F82's edge term.
 #[test]
 fn shapes_are_exact_and_the_cut_hides_what_is_below() {
     let at = Configuration { alpha_x: 0.6, alpha_y: 0.3, theta: 1.3, phi: 0.4 };

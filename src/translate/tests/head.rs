@@ -71,7 +71,7 @@ const VALUES: [(&str, u32, &str); 7] = [
     ("normals fast", 1, "b8ca18c710360dd3"),
     ("normals balanced", 1, "fced0de5d0cb43dc"),
     ("normals fine", 1, "02934059c0b9e42b"),
-    ("ltc-formula", 2, "411f77246f0b5de8"),
+    ("ltc-formula", 1, "4823a6abc9e93467"),
     ("sg and asg", 1, "8b2ab91cc3f04ce4"),
     ("sg and asg by a table", 1, "a095c0d058a72397"),
 ];

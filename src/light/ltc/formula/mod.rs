@@ -68,7 +68,7 @@ pub enum Polynomial {
     ByLarger,
     /// Correction of the amplitude, divided by the smaller roughness.
     BySmaller,
-    /// One plus a correction. Minus the cosine, it is the base of Schlick's power.
+    /// Minus the cosine, it is the base of Schlick's power. It is nearly one for smooth surfaces.
     Incidence,
 }
 
@@ -100,23 +100,23 @@ impl Polynomial {
                 &[[Larger, Larger], [Larger, One], [Mu, Mu], [Weight, One], [Rise, One], [Share, Rise], [Share, One]]
             }
             Self::Row => &[[One, One], [Rise, One], [Mu, One], [Length, Cosine], [Length, One], [Weight, One]],
-            Self::Swell => &[
-                [Larger, Length],
-                [Larger, Cosine],
-                [Smaller, Length],
-                [Smaller, One],
-                [Mu, Cosine],
-                [Length, Rise],
-                [Length, One],
-            ],
+            Self::Swell => {
+                &[[Larger, Length], [Larger, Cosine], [Smaller, Length], [Mu, Cosine], [Length, Rise], [Length, One]]
+            }
             Self::Lift => &[[Mu, Mu], [Rise, Rise], [Share, Cosine], [Share, One]],
             Self::ByLarger => {
                 &[[Larger, Larger], [Larger, Weight], [Smaller, Smaller], [Mu, Mu], [Mu, Rise], [One, One]]
             }
-            Self::BySmaller => &[[Smaller, Mu], [Smaller, Rise], [Smaller, One], [Mu, Length], [Rise, One], [One, One]],
-            Self::Incidence => {
-                &[[Mu, Weight], [Mu, Smaller], [Mu, One], [Smaller, Cosine], [Larger, Length], [Weight, One]]
-            }
+            Self::BySmaller => &[[Larger, Mu], [Smaller, Mu], [Smaller, Rise], [Smaller, One], [Rise, One], [One, One]],
+            Self::Incidence => &[
+                [Mu, Weight],
+                [Mu, Smaller],
+                [Mu, One],
+                [Smaller, Cosine],
+                [Smaller, Smaller],
+                [Larger, Length],
+                [Weight, One],
+            ],
         }
     }
 
@@ -165,8 +165,7 @@ pub struct FormulaLobe<T> {
 
 impl<T: Scalar> FormulaLobe<T> {
     /// The lobe of a material with reflectance `f0` at normal and `f90` at grazing incidence. Equal numbers give the lobe
-    /// for a Fresnel factor of one. Domain: `alpha` in [1e-5, 1]; `wo` of unit length. A height of `wo` below 1e-4 counts as
-    /// 1e-4.
+    /// for a Fresnel factor of one. Domain: `alpha` in [1e-5, 1]; `wo` of unit length. `wo.z` is raised to 1e-4.
     #[must_use]
     pub fn new(alpha: [T; 2], wo: Triple<T>, fresnel: [T; 2]) -> Self {
         Self::by(&COEFFICIENTS, alpha, wo, fresnel)

@@ -68,7 +68,7 @@ function unsupported( { brdf, lobe, layout } ) {
 }
 
 /**
- * Loads a model by its name in a link: '' for normals, ltc-formula, a name of `PUBLISHED`, or the digest of a table. `kind` selects the
+ * Loads a model by its name in a link: '' (normals), 'ltc-formula', a name in `PUBLISHED`, or a table's digest. `kind` selects the
  * program, and `source` is the name of the service's shader text. `brdf` is the scattering model.
  */
 async function found( name ) {
