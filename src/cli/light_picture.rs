@@ -38,7 +38,11 @@ impl Picture {
             faults.push(format!("needs rectangles, not {}: leave out --light", args.light));
         }
         if !args.model.has_pictures() {
-            faults.push(format!("needs model {}, not {}", LightModel::names_of(LightModel::has_pictures), args.model));
+            faults.push(format!(
+                "works with models {}, not {}",
+                LightModel::names_of(LightModel::has_pictures),
+                args.model
+            ));
         }
         for (name, is_given) in [("--f82", args.f82.is_some()), ("--blend", args.blend)] {
             if is_given {

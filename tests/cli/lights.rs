@@ -353,7 +353,7 @@ fn light_prints_the_channels_of_a_picture() {
     );
     let refused = with(&["tv.png", "--light", "sphere", "--model", "sg"]).exited(2);
     assert!(
-        refused.stderr.contains("leave out --light; needs model normals, ltc or ltc-formula, not sg"),
+        refused.stderr.contains("leave out --light; works with models normals, ltc and ltc-formula, not sg"),
         "{}",
         refused.stderr
     );

@@ -71,7 +71,7 @@ fn preview_shows_a_picture_on_the_light() {
         [
             "exposure must be between 0.0001 and 10000, got 0",
             "light_picture needs light rectangle, got disk: change the light or leave the picture out",
-            "light_picture needs model normals, ltc or ltc-formula, got asg: change the model or leave the picture out",
+            "light_picture works with models normals, ltc and ltc-formula, not asg: change the model or leave the picture out",
         ]
     );
     fs::write(folder.path().join("no.png"), "no picture").expect("a file");

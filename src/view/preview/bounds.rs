@@ -32,7 +32,7 @@ pub enum PictureFault {
     Shape(&'static str),
     /// The model does not support pictures.
     #[error(
-        "needs model {models}, got {0}: change the model or leave the picture out",
+        "works with models {models}, not {0}: change the model or leave the picture out",
         models = LightModel::names_of(LightModel::has_pictures)
     )]
     Model(LightModel),
@@ -118,7 +118,7 @@ mod tests {
         let messages = [
             "spp must be between 1 and 4096, got 0",
             "light_picture needs light rectangle, got tube: change the light or leave the picture out",
-            "light_picture needs model normals, ltc or ltc-formula, got sg: change the model or leave the picture out",
+            "light_picture works with models normals, ltc and ltc-formula, not sg: change the model or leave the picture out",
         ];
         assert_eq!(refused(&both), messages);
         // Parameters that a mode does not use cause no fault.
