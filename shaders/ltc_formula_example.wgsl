@@ -1,6 +1,6 @@
 // Lights one surface with one light, by an LTC without a table. It shows how to call the other files. Use its results
-// to check a port. Needs ltc_math.wgsl, ltc_rectangle.wgsl, ltc_light.wgsl, ltc_shapes.wgsl and ltc_formula.wgsl. Replace it with your own
-// code, and delete LtcExample*.
+// to check a port. Needs ltc_math.wgsl, ltc_rectangle.wgsl, ltc_light.wgsl, ltc_shapes.wgsl and ltc_formula.wgsl.
+// Replace it with your own code, and delete LtcExample*.
 
 struct LtcExampleCase {
     /// View direction in the tangent frame, of unit length. w: alpha_x.

@@ -7,7 +7,7 @@ use super::{CommandFailure, file_failure, light_args::LightArgs, usage};
 use ltcforge_files::bounded::read_named;
 use ltcforge_fit::{BrdfKind, BrdfModel, Configuration, Table};
 use ltcforge_light::{
-    AnyLight, LightError, LightModel, LightShape, NormalsRule, TableUse,
+    AnyLight, ClosedForm, LightError, LightModel, LightShape, TableUse,
     textured::{LightImage, LightPyramid, Readings, TexturedLight, TexturedReflection},
 };
 use ltcforge_textures::LightPicture;
@@ -22,8 +22,7 @@ pub(super) struct Picture {
     image: LightImage,
     pyramid: Option<([usize; 2], LightPyramid)>,
     number: Readings,
-    model: LightModel,
-    rule: NormalsRule,
+    form: Option<ClosedForm>,
     used: TableUse,
     fresnel: [f64; 2],
 }
@@ -38,11 +37,8 @@ impl Picture {
             faults.push(format!("needs rectangles, not {}: leave out --light", args.light));
         }
         if !args.model.has_pictures() {
-            faults.push(format!(
-                "works with models {}, not {}",
-                LightModel::names_of(LightModel::has_pictures),
-                args.model
-            ));
+            let models = LightModel::names_of(LightModel::has_pictures);
+            faults.push(format!("works with models {models}, not {}", args.model));
         }
         for (name, is_given) in [("--f82", args.f82.is_some()), ("--blend", args.blend)] {
             if is_given {
@@ -60,8 +56,7 @@ impl Picture {
             image: read_picture(path)?,
             pyramid: None,
             number,
-            model: args.model,
-            rule: args.rule.unwrap_or(NormalsRule::ALL[0]),
+            form: args.model.closed_form(args.rule).map(|form| form.with_cut(args.cut)),
             used: TableUse { cut: args.cut, blend: false },
             fresnel: args.f0.map_or([1.0; 2], |f0| [f0, args.f90]),
         }))
@@ -80,12 +75,10 @@ impl Picture {
             self.pyramid = Some((size, LightPyramid::new(&self.image.resampled(size))));
         }
         let Some((_, pyramid)) = &self.pyramid else { return Err(LightError::NoRectangle) };
-        let found = match table {
-            Some(table) => light.by_table(table, at, pyramid, (self.used, self.number))?,
-            None if self.model == LightModel::LtcFormula => {
-                light.by_formula(at, pyramid, (self.fresnel, self.used, self.number))?
-            }
-            None => light.by_normals(at, pyramid, (self.rule, self.number))?,
+        let found = match (table, self.form) {
+            (Some(table), _) => light.by_table(table, at, pyramid, (self.used, self.number))?,
+            (None, Some(form)) => light.by_form(form, at, pyramid, (self.fresnel, self.number))?,
+            (None, None) => return Err(LightError::NoLtc),
         };
         Ok(self.with_fresnel(&found))
     }

@@ -2,7 +2,7 @@
 
 use super::{
     AreaLight, LightError, albedo, gaussians, ltc,
-    ltc::{TableUse, by_blend, by_table_as, covered_in, edge_by_table},
+    ltc::{FormulaLobe, TableUse, by_blend, by_table_as, covered_in, edge_by_table},
     normals,
     normals::NormalsRule,
     rules::{Formula, LitPoint, ModelOfLight, ReflectedLight, lit, surface_and_view},
@@ -183,19 +183,22 @@ impl ClosedForm {
         fresnel: [f64; 2],
     ) -> Result<ReflectedLight, LightError> {
         let Some(formula) = self.model.rules().formula() else { return Ok(ReflectedLight::NONE) };
-        let (alpha, wo) = surface_and_view(at)?;
-        if let Some(lobe) = formula.lobe(alpha, wo.to_array(), fresnel) {
+        if let Some(lobe) = self.lobe(at, fresnel)? {
             let covered = covered_in(lobe.space, light, self.cut);
             return Ok(ReflectedLight { energy: lobe.parts[0] * covered, fresnel: lobe.parts[1] * covered });
         }
         lit(at, light, |lit| formula.reflected(lit, self.rule))
     }
 
-    /// The amplitude of the lobe; `None` for a model that is not an LTC.
-    fn amplitude(self, at: &Configuration) -> Result<Option<f64>, LightError> {
+    /// The LTC for this reflectance at normal and at grazing incidence; `None` for a model that is not an LTC.
+    pub(super) fn lobe(self, at: &Configuration, fresnel: [f64; 2]) -> Result<Option<FormulaLobe<f64>>, LightError> {
         let (alpha, wo) = surface_and_view(at)?;
-        let lobe = self.model.rules().formula().and_then(|formula| formula.lobe(alpha, wo.to_array(), [1.0; 2]));
-        Ok(lobe.map(|lobe| lobe.parts[0]))
+        Ok(self.model.rules().formula().and_then(|formula| formula.lobe(alpha, wo.to_array(), fresnel)))
+    }
+
+    /// Whether lobe and light are clipped at the surface.
+    pub(super) fn is_cut(self) -> bool {
+        self.cut
     }
 
     /// The light weighted by F82's edge weight: see [`ReflectedLight::metal`].
@@ -279,7 +282,7 @@ impl Lighting<'_> {
         let ggx = albedo::of_ggx(at)?;
         let table = match self {
             Self::Table(table, _) => table,
-            Self::ClosedForm(form) => return Ok(form.amplitude(at)?.unwrap_or(ggx)),
+            Self::ClosedForm(form) => return Ok(form.lobe(at, [1.0; 2])?.map_or(ggx, |lobe| lobe.parts[0])),
         };
         albedo::check(&table.brdf)?;
         if table.lobe.gaussian().is_some() {

@@ -115,8 +115,8 @@ impl Shading {
         self.chosen.map(|chosen| &self.without_table[chosen])
     }
 
-    /// Measures the light of the table and of the models without a table, over the scene's ranges or at the materials of the table, for
-    /// a Fresnel factor of one. Runs on the current rayon pool.
+    /// Measures the light of the table and of the models without a table, over the scene's ranges or at the materials of
+    /// the table, for a Fresnel factor of one. Runs on the current rayon pool.
     ///
     /// # Errors
     /// When the table cannot light surfaces.

@@ -69,6 +69,7 @@ const COSTS: &[(&str, [u32; 3])] = &[
     ("ltc ltc2017, ltc_cut_tube", [96, 10998, 4231]),
     ("ltc ltc2017, ltc_cut_line", [32, 433, 600]),
     ("ltc reflected, compensated", [48, 703, 1277]),
+    ("ltc-formula, compensated", [48, 535, 1006]),
     ("normals balanced, compensated", [72, 1521, 2309]),
     ("asg, compensated", [64, 1898, 2992]),
     ("ltc reflected, layers", [64, 1565, 2961]),

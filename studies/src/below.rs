@@ -35,6 +35,8 @@ fn models(table: &Table) -> Vec<(String, Lighting<'_>)> {
         let rule = form.chosen_rule().map_or(String::new(), |rule| format!(", rule `{rule}`"));
         (format!("`{}`{rule}", form.model()), Lighting::ClosedForm(form))
     }));
+    let cut = LightModel::LtcFormula.closed_form(None).map(|form| Lighting::ClosedForm(form.with_cut(true)));
+    models.extend(cut.map(|cut| ("`ltc-formula`, `--cut`".to_owned(), cut)));
     models
 }
 

@@ -71,7 +71,7 @@ enum Study {
         #[arg(long, default_value_t = 1)]
         seed: u64,
     },
-    /// Find the numbers of model `ltc-formula`: src/light/ltc/formula
+    /// Find the coefficients of model `ltc-formula`: src/light/ltc/formula
     Formula {
         /// Lights per kind in the search. As many are held out
         #[arg(long, default_value_t = 2000)]

@@ -32,7 +32,7 @@ const PLASTIC: f64 = 0.04;
 /// A path of lights, for a parameter from 0 to 1.
 type Path<'a> = &'a dyn Fn(&Lit, f64) -> Lit;
 
-/// What a rule, or V alone, does along the paths.
+/// The faults of a rule, or of V alone, along the paths.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Faults {
     /// The share of smooth paths with false steps, for metal and for plastic.

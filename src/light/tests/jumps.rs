@@ -26,7 +26,12 @@ fn nothing_jumps_along_random_paths() {
                     moved.vertices.iter_mut().for_each(|v| *v = turn * *v);
                     moved.at.phi += 0.1 * phi * t;
                     moved.at.theta += (theta - lit.at.theta) * 0.1 * t;
-                    form.reflected(&moved.at, &moved.light(Sides::Two)).expect("a surface").energy
+                    let light = moved.light(Sides::Two);
+                    let metal = form.reflected(&moved.at, &light).expect("a surface").energy;
+                    // The lobe of this model depends on the material.
+                    let is_shaped = form.model() == LightModel::LtcFormula;
+                    let plastic = is_shaped.then(|| form.of_material(&moved.at, &light, [0.04, 1.0]));
+                    metal + plastic.map_or(0.0, |light| light.expect("a surface"))
                 })
             };
             let most = (0..1000).into_par_iter().map(most).reduce(|| 0.0, f64::max);

@@ -11,7 +11,7 @@ use super::{
     rectangle::Rectangle,
 };
 use crate::{
-    CosineSpace, LightError, NormalsRule, PolygonLight,
+    ClosedForm, CosineSpace, LightError, NormalsRule, PolygonLight,
     ltc::{FormulaLobe, TableUse, by_table_as, covered_in},
     normals::{self, View},
     rules::surface_and_view,
@@ -144,20 +144,22 @@ impl TexturedLight {
         })
     }
 
-    /// The light that GGX reflects, by an LTC without a table. The lobe is that of a material with this reflectance at
-    /// normal and at grazing incidence.
+    /// The light that GGX reflects, by a model without a table: an LTC, whose lobe is that of a material with this
+    /// reflectance at normal and at grazing incidence, or model `normals`.
     ///
     /// # Errors
     /// [`LightError::Domain`] as for [`Self::by_normals`].
-    pub fn by_formula(
+    pub fn by_form(
         &self,
+        form: ClosedForm,
         at: &Configuration,
         picture: &LightPyramid,
-        (fresnel, used, number): ([f64; 2], TableUse, Readings),
+        (fresnel, number): ([f64; 2], Readings),
     ) -> Result<TexturedReflection, LightError> {
-        let (alpha, wo) = surface_and_view(at)?;
-        let FormulaLobe { space, parts } = FormulaLobe::new(alpha, wo.to_array(), fresnel);
-        let covered = covered_in(space, (&self.0).into(), used.cut);
+        let Some(FormulaLobe { space, parts }) = form.lobe(at, fresnel)? else {
+            return self.by_normals(at, picture, (form.rule(), number));
+        };
+        let covered = covered_in(space, (&self.0).into(), form.is_cut());
         let colour = colour(&ltc_readings(&space, &self.corners(), number), picture);
         let [energy, fresnel] = parts.map(|part| colour.map(|channel| part * covered * channel));
         Ok(TexturedReflection { energy, fresnel })

@@ -2,6 +2,7 @@
 
 mod closed_form;
 mod cut;
+mod formula;
 mod layers;
 mod listed;
 mod lookups;

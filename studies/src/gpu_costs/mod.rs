@@ -136,11 +136,10 @@ fn shapes() -> impl Iterator<Item = Program> {
 
 /// Shaders with the compensation factor for metals.
 fn compensated() -> impl Iterator<Item = Program> {
-    let models = [(LightModel::Ltc, Some(Layout::Reflected)), (LightModel::Normals, None), (LightModel::Asg, None)];
+    let models = [LightModel::LtcFormula, LightModel::Normals, LightModel::Asg].map(|model| (model, None));
+    let models = [(LightModel::Ltc, Some(Layout::Reflected))].into_iter().chain(models);
     let additions = Additions { cut: false, compensate: true, textured: None };
-    models
-        .into_iter()
-        .filter_map(move |(model, layout)| Some(of_text(LitBy::new(model, layout).ok()?.with(additions).ok()?)))
+    models.filter_map(move |(model, layout)| Some(of_text(LitBy::new(model, layout).ok()?.with(additions).ok()?)))
 }
 
 /// A metal by F82 under a coat and fuzz: two lookups and three integrals.

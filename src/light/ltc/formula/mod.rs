@@ -1,8 +1,8 @@
 //! An LTC of anisotropic GGX by a formula, without a table. `docs/formula.md` derives it.
 //!
 //! A light direction `w` and a view `o` have the half vector `h ~ w + |w| o`. Stretched by `A^-1`, GGX's visible normals
-//! are nearly a clamped cosine around the central visible normal `c`. The map from `w` to the stretched normal is linear except for
-//! `|w|`. `rho . w` replaces `|w|`: its tangent at the direction `r` in which `c` reflects the view.
+//! are nearly a clamped cosine around the central visible normal `c`. The map from `w` to the stretched normal is linear
+//! except for `|w|`. `rho . w` replaces `|w|`: its tangent at the direction `r` in which `c` reflects the view.
 //!
 //! ```text
 //! M^-1 = U R^T A^-1 (I + o rho^T),   A = diag(alpha_x, alpha_y, 1),   R: the least rotation from z to c
@@ -164,8 +164,8 @@ pub struct FormulaLobe<T> {
 }
 
 impl<T: Scalar> FormulaLobe<T> {
-    /// The lobe of a material with reflectance `f0` at normal and `f90` at grazing incidence. Equal numbers give the lobe
-    /// for a Fresnel factor of one. Domain: `alpha` in [1e-5, 1]; `wo` of unit length. `wo.z` is raised to 1e-4.
+    /// The lobe of a material with reflectance `f0` at normal and `f90` at grazing incidence. Equal numbers give the
+    /// lobe for a Fresnel factor of one. Domain: `alpha` in [1e-5, 1]; `wo` of unit length. `wo.z` is raised to 1e-4.
     #[must_use]
     pub fn new(alpha: [T; 2], wo: Triple<T>, fresnel: [T; 2]) -> Self {
         Self::by(&COEFFICIENTS, alpha, wo, fresnel)

@@ -3,11 +3,8 @@
 import { call, manifest, reach } from '../service/api.js';
 import { hasReference } from '../webgl/reference.js';
 
-/** The LTC without a table: name in a link, and label. */
-export const FORMULA = [ 'ltc-formula', 'ltc-formula, no table' ];
-
-/** Published tables: name in a link, and label. */
-export const PUBLISHED = { engines: 'engines, table of 2017', kt2022: 'KT et al., table of 2022' };
+/** Models that are no tables of the service: name in a link, and label. */
+export const NAMED = { 'ltc-formula': 'ltc-formula, no table', engines: 'engines, table of 2017', kt2022: 'KT et al., table of 2022' };
 
 async function fetched( path ) {
 
@@ -68,14 +65,14 @@ function unsupported( { brdf, lobe, layout } ) {
 }
 
 /**
- * Loads a model by its name in a link: '' (normals), 'ltc-formula', a name in `PUBLISHED`, or a table's digest. `kind` selects the
+ * Loads a model by its name in a link: '' (normals), a name in `NAMED`, or a table's digest. `kind` selects the
  * program, and `source` is the name of the service's shader text. `brdf` is the scattering model.
  */
 async function found( name ) {
 
 	if ( name === 'engines' ) return { kind: 'engines', brdf: 'ggx', source: null, uniforms: {}, textures: await Promise.all( [ shipped( 'shipped_matrix', 'published/ltc2017_1.dds' ), shipped( 'shipped_terms', 'published/ltc2017_2.dds' ) ] ) };
 	if ( name === 'kt2022' ) return { kind: 'one', brdf: 'ggx', source: 'ltc-kt2022', ...await tableOf( '/page/kt2022-' ) };
-	if ( name === FORMULA[ 0 ] ) return { kind: 'formula', brdf: 'ggx', source: name, uniforms: {}, textures: [] };
+	if ( name === 'ltc-formula' ) return { kind: 'formula', brdf: 'ggx', source: name, uniforms: {}, textures: [] };
 	if ( ! name ) return { kind: 'normals', brdf: 'ggx', source: 'normals', uniforms: {}, textures: [] };
 	const { recipe } = await manifest( name );
 	const reason = unsupported( recipe );

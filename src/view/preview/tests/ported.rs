@@ -18,7 +18,6 @@ use ltcforge_light::{
     CosineSpace, Gaussian, LightModel,
     cases::{Draw, Lit, Roughness},
     gaussians::{self, SgLight},
-    ltc::FormulaLobe,
     normals::{NormalsRule, reflected},
 };
 use ltcforge_shaders::{Bound, CASES, CORNERS, Case, Golden, Language, LitBy, SG_LIGHT, TOLERANCE, golden_table};
@@ -49,17 +48,17 @@ fn the_twin_of_the_shader_gives_the_printed_values() {
 
 /// A light for `ltc_example`: `count` vertices, or the centre and half axes of a disk if `count` is 0.
 pub(super) struct ExampleLight {
-    count: u8,
-    given: Vec<DVec3>,
+    pub(super) count: u8,
+    pub(super) given: Vec<DVec3>,
     /// The polygon for the integral in f64.
-    outline: Vec<DVec3>,
+    pub(super) outline: Vec<DVec3>,
     /// Radius or width.
-    size: f64,
+    pub(super) size: f64,
 }
 
 impl ExampleLight {
     /// The part of an LTC that the light covers, in f64.
-    fn covered(&self, space: &CosineSpace<f64>, sides: Sides) -> f64 {
+    pub(super) fn covered(&self, space: &CosineSpace<f64>, sides: Sides) -> f64 {
         match (self.count, &self.given[..]) {
             (0, [centre, x, y]) => space.ellipse(*centre, [*x, *y], sides),
             (1, [centre]) => space.sphere(*centre, self.size),
@@ -211,46 +210,6 @@ fn the_shader_without_a_table_agrees_with_f64() {
         }
         assert!(lit > 10, "{lit}");
     }
-}
-
-/// Runs the files of an LTC without a table on the GPU, with every kind of light, lit from one side and from both sides.
-#[test]
-fn the_shader_of_a_formula_agrees_with_f64() {
-    let wgsl = port(Language::Wgsl, lit_by(LightModel::LtcFormula, None)).expect("WGSL");
-    let wgsl = String::from_utf8(wgsl).expect("UTF-8");
-    let mut lights = example_lights();
-    lights.extend(round_lights());
-    let mut tried = Vec::new();
-    for (case, light) in CASES.iter().flat_map(|case| lights.iter().map(move |light| (case, light))) {
-        for f0 in [1.0, 0.04] {
-            tried.extend([false, true].map(|two_sided| (case, light, two_sided, f0)));
-        }
-    }
-    let words: Vec<[f32; 40]> = tried
-        .iter()
-        .map(|(case, light, two_sided, f0)| {
-            let mut words = case_words(case, light, *two_sided);
-            words[11] = *f0 as f32;
-            words
-        })
-        .collect();
-    let found: Vec<[f32; 4]> = match example::run(&wgsl, "ltc_formula_example", None, &words) {
-        Ok(found) => found,
-        Err(GpuFailure::Absent(reason)) => return report_skipped(&reason),
-        Err(error) => panic!("{error}"),
-    };
-    let mut lit = 0;
-    for ((case, light, two_sided, f0), found) in tried.into_iter().zip(found) {
-        let sides = if two_sided { Sides::Two } else { Sides::One };
-        let lobe = FormulaLobe::new([case.alpha_x, case.alpha_y], case.wo, [f0, 1.0]);
-        let covered = light.covered(&lobe.space, sides);
-        for (found, part) in found.into_iter().zip(lobe.parts) {
-            let (what, expected) = (format!("{case:?} {} vertices, {two_sided}, {f0}", light.count), part * covered);
-            assert!((f64::from(found) - expected).abs() < TOLERANCE, "{what}: {found}, not {expected}");
-        }
-        lit += usize::from(covered > 0.05);
-    }
-    assert!(lit > 10, "{lit}");
 }
 
 /// A light for spherical Gaussians.
