@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// ltcforge 0.1.0, revision 1, sha256 of the text below: 9e1a63b13f26be1c
+// ltcforge 0.1.0, revision 2, sha256 of the text below: bf826762f59b7190
 // Area lights on GGX without a table, in the space of its normals, by rule balanced.
 //
 //   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
@@ -8,9 +8,9 @@
 //       Light of radiance L arrives as L (f0 (x - y) + f90 y).
 //
 // CHECK of the rectangle (-1 -1 1) (1 -1 1) (1 1.5 -0.5) (-1 1.5 -0.5), alpha_x alpha_y (wo): x y, within 0.00002
-//   0.3 0.15 (0.36 0.48 0.8): 0.698755 0.000000
-//   0.2 0.6 (-0.64 0.48 0.6): 0.547291 0.000000
-//   0.05 0.02 (0.576 -0.768 0.28): 0.990908 0.187280
+//   0.3 0.15 (0.36 0.48 0.8): 0.703830 0.000077
+//   0.2 0.6 (-0.64 0.48 0.6): 0.550507 0.000945
+//   0.05 0.02 (0.576 -0.768 0.28): 0.991912 0.184492
 
 // A surface seen from direction wo. A = diag(alpha, 1).
 struct NormalsView {
@@ -61,11 +61,10 @@ float2 normals_weight(NormalsView view, float3 c) {
     return float2(normals_weight_of(view, rise), saturate(1.0 - abs(cosine)));
 }
 
-// The angle between two unit vectors, divided by its sine. Relative error below 2e-5.
+// The angle between two unit vectors, divided by its sine. Relative error below 1.3e-4.
 float normals_angle(float3 a, float3 b) {
     float h = a.x * b.x + (a.y * b.y + (a.z * b.z + 1.0000002));
-    float over_root = 2.2214415 + h * (0.5397048 + h * 0.1000458);
-    return over_root * rsqrt(h) + (-0.9985637 + h * (-0.2744782 + h * -0.0173815));
+    return (2.2214415 + h * (0.5054863 + h * 0.0397516)) * rsqrt(h) + (-0.9934988 + h * -0.2022361);
 }
 
 // Adds the integral of c x dc along the arcs of great circles from a to q and from q to n.
@@ -97,8 +96,22 @@ NormalsCorner normals_corner(NormalsView view, float3 v) {
     return NormalsCornerOf(w, image, image * per_length, length2 * per_length);
 }
 
-// Adds the integral of c x dc along the image of an edge, by four arcs. The image is the conic a + 2 t b + t^2 c.
-float3 normals_edge(NormalsView view, float3 flux, NormalsCorner begin, NormalsCorner end) {
+// The image of an edge by four arcs: the integral of c x dc along it, added to an earlier one; the point halfway between
+// both ends; and the points where the arcs of each half meet.
+struct NormalsEdge {
+    float3 flux;
+    float3 middle;
+    float3 q;
+    float3 r;
+};
+
+NormalsEdge NormalsEdgeOf(float3 flux, float3 middle, float3 q, float3 r) {
+    NormalsEdge made = { flux, middle, q, r };
+    return made;
+}
+
+// The image is the conic a + 2 t b + t^2 c.
+NormalsEdge normals_edge(NormalsView view, float3 flux, NormalsCorner begin, NormalsCorner end) {
     float3 a = begin.c;
     float3 c = end.c;
     float3 sum = begin.w + end.w;
@@ -118,50 +131,93 @@ float3 normals_edge(NormalsView view, float3 flux, NormalsCorner begin, NormalsC
     float root = sqrt(per_length);
     float least = 3.4 * root;
     float more = 0.6 * per_length * root;
-    float3 q = a + n + (least + more * dot(left, left)) * left;
-    float3 r = c + n + (least + more * dot(right, right)) * right;
-    return normals_arcs(normals_arcs(flux, a, q * normals_per_length(q), n), n, r * normals_per_length(r), c);
+    float3 beyond_left = a + n + (least + more * dot(left, left)) * left;
+    float3 beyond_right = c + n + (least + more * dot(right, right)) * right;
+    float3 q = beyond_left * normals_per_length(beyond_left);
+    float3 r = beyond_right * normals_per_length(beyond_right);
+    return NormalsEdgeOf(normals_arcs(normals_arcs(flux, a, q, n), n, r, c), n, q, r);
 }
 
-// The fraction of the visible normals that reflect the light, times their mean weight. A small network corrects the
-// weight of the mean normal, from the weights at the vertices and from the fraction.
-float2 normals_mean(NormalsView view, float3 flux, float projected, float2 rises, float2 ends, bool two_sided) {
+// Sums over the edges of a light. flux: the integral of c x dc. sums: the values of normals_sample, times the size of
+// the edge among the visible normals. size: these sizes.
+struct NormalsSum {
+    float3 flux;
+    float4 sums;
+    float size;
+};
+
+NormalsSum NormalsSumOf(float3 flux, float4 sums, float size) {
+    NormalsSum made = { flux, sums, size };
+    return made;
+}
+
+float normals_fifth(float x) {
+    return x * x * (x * x) * x;
+}
+
+// For the normal A c: its weight G2 / G1, divided by 1 + view.rise; the rise of the direction that it reflects to the
+// viewer; this weight times Schlick's factor; and the square of this weight.
+float4 normals_sample(NormalsView view, float3 c) {
+    float3 h = float3(view.alpha * c.xy, c.z);
+    float along = dot(view.wo, h);
+    float h2 = dot(h, h);
+    float rise = normals_rise(view, 2.0 * along * h - h2 * view.wo);
+    float weight = rise / (rise + view.rise);
+    return float4(weight, rise, weight * normals_fifth(saturate(1.0 - abs(along) * rsqrt(h2))), weight * weight);
+}
+
+// The samples of an edge: its middle.
+float4 normals_samples(NormalsView view, NormalsEdge edge) {
+    return normals_sample(view, edge.middle);
+}
+
+// Adds an edge. An edge on the horizon reflects nothing.
+NormalsSum normals_add(NormalsView view, NormalsSum sum, NormalsCorner begin, NormalsCorner end, bool is_above) {
+    NormalsEdge edge = normals_edge(view, sum.flux, begin, end);
+    float3 half_ = edge.middle - begin.c;
+    float size = sqrt(dot(half_, half_)) * saturate(dot(edge.middle, view.stretched));
+    if (!is_above) {
+        return NormalsSumOf(edge.flux, sum.sums, sum.size + size);
+    }
+    return NormalsSumOf(edge.flux, sum.sums + size * normals_samples(view, edge), sum.size + size);
+}
+
+// The mean of the weight (x) and of the weight times Schlick's factor (y) over the light. They are blends of the values
+// at the mean normal, at the mean rise of the outline, and along the outline, with shares from a network. Then they
+// move by an amount that grows with the extent. Nothing is cut off, so the light has no contours.
+float2 normals_blend(float2 at_mean, float at_rise, float2 outline, float extent, float4 outputs, float fifth) {
+    float2 near_ = saturate(outputs.wx);
+    float2 shares = near_ * near_ * (3.0 - 2.0 * near_);
+    float3 bounded = float3(outputs.yz, fifth) / (1.0 + abs(float3(outputs.yz, fifth)));
+    float around = at_rise + shares.x * (outline.x - at_rise);
+    float known = around + shares.y * (at_mean.x - around);
+    float weight = known * (1.0 + extent * bounded.x * (1.0 - known));
+    float schlick = at_mean.y + (0.5 + 0.5 * bounded.z) * (outline.y - at_mean.y);
+    return weight * float2(1.0, schlick * (1.0 + extent * bounded.y * (1.0 - schlick)));
+}
+
+// The fraction of the visible normals that reflect the light, times their mean weight.
+float2 normals_mean(NormalsView view, NormalsSum sum, float projected, bool two_sided) {
     float part = saturate((two_sided ? abs(projected) : projected) * 0.31830989 / (view.wo.z + view.length));
-    float2 at_mean = normals_weight(view, flux);
-    float at_vertices = normals_weight_of(view, rises.x);
-    float per_length = normals_per_length(flux);
-    float2 alpha = float2(max(view.alpha.x, view.alpha.y), min(view.alpha.x, view.alpha.y));
+    float2 at_mean = normals_weight(view, sum.flux);
+    float scale = 1.0 + view.rise;
+    float4 means = sum.sums * (float4(scale, 1.0, scale, scale * scale) / max(sum.size, 1e-20));
+    float at_rise = normals_weight_of(view, means.y);
+    float extent = sum.size * sum.size;
     float4 first = float4(part, view.rise, at_mean);
-    float4 second = float4(abs(flux.z) * per_length, alpha, at_vertices);
-    float4 third = float4(abs(projected) * per_length / view.length, ends, rises.y);
-    float4 units_0 = max(
-        mul(first, float4x4(-0.4517, -5.272, 1.779, -0.2389, -1.26, 1.688, 0.5576, -1.128, -4.275, 1.481, 30.76, -13.12, -1.536, 4.015, 0.03746, -0.6128))
-        + mul(second, float4x4(0.4828, -0.123, -3.655, 0.951, 0.6037, 1.921, 2.182, 0.009572, 0.3429, -0.8065, 1.27, -1.125, -0.02034, -0.7458, 1.34, -0.6957))
-        + mul(third, float4x4(3.5, -0.5266, -4.763, 1.63, -0.2434, -2.357, -0.1187, 0.2569, 0.06323, 2.151, -0.3276, 0.2598, -0.02792, -9.115, -1.102, 0.1882))
-        + float4(2.287, -3.08, -27.36, 11.93),
-        (float4)0.0
-    );
-    float4 units_1 = max(
-        mul(first, float4x4(2.373, 1.101, -0.2881, -0.2746, 0.894, 2.18, -3.53, 4.745, 1.452, 0.5634, -9.116, 1.627, -0.4989, 0.7647, -2.529, 1.858))
-        + mul(second, float4x4(-3.776, -0.923, 0.6106, 5.323, 2.5, 2.561, 0.8376, 0.6629, -1.425, 2.694, 0.7314, -7.277, 0.1632, 1.109, 0.502, 1.195))
-        + mul(third, float4x4(0.3068, -2.404, 5.645, -8.7, -0.1651, -0.7696, -0.4272, 2.286, 0.2761, 0.01648, 0.2228, 1.936, 0.144, -0.2423, -0.456, -10.35))
-        + float4(-2.005, -2.343, 6.88, -4.838),
-        (float4)0.0
-    );
-    float4 units_2 = max(
-        mul(first, float4x4(0.8842, -0.6139, 0.483, -0.342, -1.322, 0.0633, 0.8474, 1.882, -11.05, -4.906, -14.09, 0.4059, 0.3262, -0.117, 0.09231, 0.7526))
-        + mul(second, float4x4(-0.4565, -1.156, -0.5831, 0.413, -0.2157, -0.8456, 1.176, 0.5174, -0.3535, 2.117, 0.5998, 0.4314, 0.1399, 3.433, -0.06966, 0.702))
-        + mul(third, float4x4(-1.07, 0.7266, -0.5591, -0.1247, -0.02631, -5.466, -0.07689, 0.3231, 0.2429, -0.07201, -0.05384, 0.7153, -0.08406, -1.691, 0.174, 0.4504))
-        + float4(12.45, 3.613, 13.75, -5.645),
-        (float4)0.0
-    );
-    float3 outputs = mul(units_0, float4x3(-0.003988, -0.2249, 0.01139, 0.1556, 0.04211, 0.2543, 0.05126, -0.008541, -0.02405, 0.01138, 0.03835, -0.1487))
-        + mul(units_1, float4x3(-0.03438, 0.005577, 0.0775, -0.05159, -0.00132, 0.04855, -3.237e-5, 0.1057, -0.02174, -0.09208, -0.05101, -0.2338))
-        + mul(units_2, float4x3(-0.01082, -0.09808, 0.02568, 0.008448, 0.007935, 0.1418, -0.04663, 0.02314, 0.09929, 0.125, 0.09136, -0.1615))
-        + float3(-8.466e-6, 0.000105, 0.0002346);
-    float weight = saturate(at_mean.x + outputs.z * (at_vertices - at_mean.x) + outputs.x * part);
-    float m2 = at_mean.y * at_mean.y;
-    return part * float2(weight, clamp(weight * m2 * m2 * at_mean.y + outputs.y * part, 0.0, weight));
+    float4 second = float4(max(view.alpha.x, view.alpha.y), min(view.alpha.x, view.alpha.y), at_rise, means.x);
+    float third = sum.size;
+    float4 sum_0 = mul(first, float4x4(-8.753, 0.5654, 0.3926, 0.1981, 0.3816, 24.24, -0.6129, 0.2369, 2.713, 9.272, 6.006, 3.125, 1.758, -0.2931, 0.3957, 3.77))
+        + mul(second, float4x4(0.6518, -2.403, -2.107, -0.7803, 0.6439, 0.1223, -0.7821, 2.213, -3.177, -0.4119, 0.4902, 1.055, 0.3836, 1.799, -1.441, 1.085))
+        + float4(0.7555, -0.2884, -0.1174, 0.6383) * third
+        + float4(-1.895, -32.28, -3.253, -6.858);
+    float4 units_0 = sum_0 + sqrt(sum_0 * sum_0 + 1.0);
+    float4 outputs = mul(units_0, float4x4(-0.2243, -0.08187, -0.3105, -0.135, 0.03016, -0.3446, 0.07265, -0.385, 0.06841, 0.6177, -0.2157, 0.2122, -0.02905, -0.5208, -0.1619, -0.151))
+        + float4(0.5919, 0.2545, 0.969, 1.459);
+    float fifth = dot(float4(-0.3032, -8.743, -0.4859, 1.045), units_0)
+        + -2.783;
+    float2 outline = float2(means.x, means.z / (means.x + 1e-6));
+    return part * normals_blend(float2(at_mean.x, normals_fifth(at_mean.y)), at_rise, outline, extent / (extent + 1.0), outputs, fifth);
 }
 
 // The reflected light of a rectangle of radiance one: for a Fresnel factor of one (x), and weighted by Schlick's
@@ -182,22 +238,18 @@ float2 normals_rectangle(NormalsView view, float3 corners[4], bool two_sided) {
     float2 slide = -1.0 / max(float2(x.z, y.z), (float2)1e-15);
     float3 right_up = right + saturate(right.z * slide.y) * y;
     float3 left_up = left + saturate(left.z * slide.x) * x;
-    // a and b are the ends of the lowest side after clipping. They are equal if the surface cuts nothing off.
+    // a and b are the ends of the lowest side after clipping. They are equal if the surface cuts nothing off; otherwise this side lies on the horizon.
     NormalsCorner a = normals_corner(view, left.z <= 0.0 ? left_up : low + saturate(low.z * slide.y) * y);
     NormalsCorner b = normals_corner(view, right.z <= 0.0 ? right_up : low + saturate(low.z * slide.x) * x);
-    float3 flux = normals_edge(view, (float3)0.0, a, b);
+    NormalsSum sum = normals_add(view, (NormalsSum)0, a, b, false);
     NormalsCorner c = normals_corner(view, right_up);
-    flux = normals_edge(view, flux, b, c);
+    sum = normals_add(view, sum, b, c, true);
     NormalsCorner high = normals_corner(view, right + y);
-    flux = normals_edge(view, flux, c, high);
+    sum = normals_add(view, sum, c, high, true);
     NormalsCorner d = normals_corner(view, left_up);
-    flux = normals_edge(view, normals_edge(view, flux, high, d), d, a);
-    float projected = (falls.x != falls.y ? -1.0 : 1.0) * dot(flux, view.stretched);
-    float4 rises = float4(normals_rise(view, a.w), normals_rise(view, c.w), normals_rise(view, d.w), normals_rise(view, high.w));
-    float least = min(min(rises.x, rises.y), min(rises.z, rises.w));
-    float most = max(max(rises.x, rises.y), max(rises.z, rises.w));
-    float2 sums = float2(rises.x + rises.y + rises.z + rises.w, dot(rises, rises));
-    return normals_mean(view, flux, projected, 0.25 * sums, float2(least, most), two_sided);
+    sum = normals_add(view, normals_add(view, sum, high, d, true), d, a, true);
+    float projected = (falls.x != falls.y ? -1.0 : 1.0) * dot(sum.flux, view.stretched);
+    return normals_mean(view, sum, projected, two_sided);
 }
 
 // The reflected light of a convex polygon with 3 to 8 vertices, as in normals_rectangle.
@@ -206,32 +258,26 @@ float2 normals_polygon(NormalsView view, float3 vertices[8], uint count, bool tw
     float3 a = vertices[number - 1u];
     NormalsCorner setting = normals_corner(view, a);
     NormalsCorner rising = setting;
-    float3 flux = (float3)0.0;
-    float2 sums = (float2)0.0;
-    float2 ends = float2(1.0, 0.0);
+    NormalsSum sum = (NormalsSum)0;
     for (uint i = 0u; i < 8u; i++) {
         if (i < number) {
             float3 b = vertices[i];
-            if (a.z > 0.0 || b.z > 0.0) {
-                float3 cut = float3(a.xy * abs(b.z) + b.xy * abs(a.z), 0.0);
-                NormalsCorner begin = normals_corner(view, a.z > 0.0 ? a : cut);
-                NormalsCorner end = normals_corner(view, b.z > 0.0 ? b : cut);
-                flux = normals_edge(view, flux, begin, end);
-                if (a.z <= 0.0) {
-                    rising = begin;
-                }
-                if (b.z <= 0.0) {
-                    setting = end;
-                }
+            // Below the surface, begin and end are one point of the horizon.
+            float3 cut = float3(a.xy * abs(b.z) + b.xy * abs(a.z), 0.0);
+            NormalsCorner begin = normals_corner(view, a.z > 0.0 ? a : cut);
+            NormalsCorner end = normals_corner(view, b.z > 0.0 ? b : cut);
+            sum = normals_add(view, sum, begin, end, true);
+            if (a.z <= 0.0 && b.z > 0.0) {
+                rising = begin;
             }
-            float rise = normals_rise(view, b);
-            sums += rise * float2(1.0, rise);
-            ends = float2(min(ends.x, rise), max(ends.y, rise));
+            if (a.z > 0.0 && b.z <= 0.0) {
+                setting = end;
+            }
             a = b;
         }
     }
-    flux = normals_edge(view, flux, setting, rising);
-    return normals_mean(view, flux, dot(flux, view.stretched), sums / float(number), ends, two_sided);
+    sum = normals_add(view, sum, setting, rising, false);
+    return normals_mean(view, sum, dot(sum.flux, view.stretched), two_sided);
 }
 
 // The reflected light of a disk, replaced by the regular octagon of the same area. The disk emits towards half_x x

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// ltcforge 0.1.0, revision 1, sha256 of the text below: 8733dbd6758a7c8a
+// ltcforge 0.1.0, revision 2, sha256 of the text below: 2091abdf27d7d367
 // Area lights on GGX without a table, in the space of its normals, by rule balanced.
 //
 //   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
@@ -8,9 +8,9 @@
 //       Light of radiance L arrives as L (f0 (x - y) + f90 y).
 //
 // CHECK of the rectangle (-1 -1 1) (1 -1 1) (1 1.5 -0.5) (-1 1.5 -0.5), alpha_x alpha_y (wo): x y, within 0.00002
-//   0.3 0.15 (0.36 0.48 0.8): 0.698755 0.000000
-//   0.2 0.6 (-0.64 0.48 0.6): 0.547291 0.000000
-//   0.05 0.02 (0.576 -0.768 0.28): 0.990908 0.187280
+//   0.3 0.15 (0.36 0.48 0.8): 0.703830 0.000077
+//   0.2 0.6 (-0.64 0.48 0.6): 0.550507 0.000945
+//   0.05 0.02 (0.576 -0.768 0.28): 0.991912 0.184492
 
 /// A surface seen from direction wo. A = diag(alpha, 1).
 struct NormalsView {
@@ -56,11 +56,10 @@ fn normals_weight(view: NormalsView, c: vec3<f32>) -> vec2<f32> {
     return vec2(normals_weight_of(view, rise), saturate(1.0 - abs(cosine)));
 }
 
-/// The angle between two unit vectors, divided by its sine. Relative error below 2e-5.
+/// The angle between two unit vectors, divided by its sine. Relative error below 1.3e-4.
 fn normals_angle(a: vec3<f32>, b: vec3<f32>) -> f32 {
     let h = a.x * b.x + (a.y * b.y + (a.z * b.z + 1.0000002));
-    let over_root = 2.2214415 + h * (0.5397048 + h * 0.1000458);
-    return over_root * inverseSqrt(h) + (-0.9985637 + h * (-0.2744782 + h * -0.0173815));
+    return (2.2214415 + h * (0.5054863 + h * 0.0397516)) * inverseSqrt(h) + (-0.9934988 + h * -0.2022361);
 }
 
 /// Adds the integral of c x dc along the arcs of great circles from a to q and from q to n.
@@ -87,8 +86,17 @@ fn normals_corner(view: NormalsView, v: vec3<f32>) -> NormalsCorner {
     return NormalsCorner(w, image, image * per_length, length2 * per_length);
 }
 
-/// Adds the integral of c x dc along the image of an edge, by four arcs. The image is the conic a + 2 t b + t^2 c.
-fn normals_edge(view: NormalsView, flux: vec3<f32>, begin: NormalsCorner, end: NormalsCorner) -> vec3<f32> {
+/// The image of an edge by four arcs: the integral of c x dc along it, added to an earlier one; the point halfway between
+/// both ends; and the points where the arcs of each half meet.
+struct NormalsEdge {
+    flux: vec3<f32>,
+    middle: vec3<f32>,
+    q: vec3<f32>,
+    r: vec3<f32>,
+}
+
+/// The image is the conic a + 2 t b + t^2 c.
+fn normals_edge(view: NormalsView, flux: vec3<f32>, begin: NormalsCorner, end: NormalsCorner) -> NormalsEdge {
     let a = begin.c;
     let c = end.c;
     let sum = begin.w + end.w;
@@ -108,9 +116,88 @@ fn normals_edge(view: NormalsView, flux: vec3<f32>, begin: NormalsCorner, end: N
     let root = sqrt(per_length);
     let least = 3.4 * root;
     let more = 0.6 * per_length * root;
-    let q = a + n + (least + more * dot(left, left)) * left;
-    let r = c + n + (least + more * dot(right, right)) * right;
-    return normals_arcs(normals_arcs(flux, a, q * normals_per_length(q), n), n, r * normals_per_length(r), c);
+    let beyond_left = a + n + (least + more * dot(left, left)) * left;
+    let beyond_right = c + n + (least + more * dot(right, right)) * right;
+    let q = beyond_left * normals_per_length(beyond_left);
+    let r = beyond_right * normals_per_length(beyond_right);
+    return NormalsEdge(normals_arcs(normals_arcs(flux, a, q, n), n, r, c), n, q, r);
+}
+
+/// Sums over the edges of a light. flux: the integral of c x dc. sums: the values of normals_sample, times the size of
+/// the edge among the visible normals. size: these sizes.
+struct NormalsSum {
+    flux: vec3<f32>,
+    sums: vec4<f32>,
+    size: f32,
+}
+
+/// For the normal A c: its weight G2 / G1, divided by 1 + view.rise; the rise of the direction that it reflects to the
+/// viewer; this weight times Schlick's factor; and the square of this weight.
+fn normals_sample(view: NormalsView, c: vec3<f32>) -> vec4<f32> {
+    let h = vec3(view.alpha * c.xy, c.z);
+    let along = dot(view.wo, h);
+    let h2 = dot(h, h);
+    let rise = normals_rise(view, 2.0 * along * h - h2 * view.wo);
+    let weight = rise / (rise + view.rise);
+    return vec4(weight, rise, weight * normals_fifth(saturate(1.0 - abs(along) * inverseSqrt(h2))), weight * weight);
+}
+
+/// Adds an edge. An edge on the horizon reflects nothing.
+fn normals_add(view: NormalsView, sum: NormalsSum, begin: NormalsCorner, end: NormalsCorner, is_above: bool) -> NormalsSum {
+    let edge = normals_edge(view, sum.flux, begin, end);
+    let half = edge.middle - begin.c;
+    let size = sqrt(dot(half, half)) * saturate(dot(edge.middle, view.stretched));
+    if (!is_above) {
+        return NormalsSum(edge.flux, sum.sums, sum.size + size);
+    }
+    return NormalsSum(edge.flux, sum.sums + size * normals_samples(view, edge), sum.size + size);
+}
+
+fn normals_fifth(x: f32) -> f32 {
+    return x * x * (x * x) * x;
+}
+
+/// The mean of the weight (x) and of the weight times Schlick's factor (y) over the light. They are blends of the values
+/// at the mean normal, at the mean rise of the outline, and along the outline, with shares from a network. Then they
+/// move by an amount that grows with the extent. Nothing is cut off, so the light has no contours.
+fn normals_blend(at_mean: vec2<f32>, at_rise: f32, outline: vec2<f32>, extent: f32, outputs: vec4<f32>, fifth: f32) -> vec2<f32> {
+    let near = saturate(outputs.wx);
+    let shares = near * near * (3.0 - 2.0 * near);
+    let bounded = vec3(outputs.yz, fifth) / (1.0 + abs(vec3(outputs.yz, fifth)));
+    let around = at_rise + shares.x * (outline.x - at_rise);
+    let known = around + shares.y * (at_mean.x - around);
+    let weight = known * (1.0 + extent * bounded.x * (1.0 - known));
+    let schlick = at_mean.y + (0.5 + 0.5 * bounded.z) * (outline.y - at_mean.y);
+    return weight * vec2(1.0, schlick * (1.0 + extent * bounded.y * (1.0 - schlick)));
+}
+
+/// The samples of an edge: its middle.
+fn normals_samples(view: NormalsView, edge: NormalsEdge) -> vec4<f32> {
+    return normals_sample(view, edge.middle);
+}
+
+/// The fraction of the visible normals that reflect the light, times their mean weight.
+fn normals_mean(view: NormalsView, sum: NormalsSum, projected: f32, two_sided: bool) -> vec2<f32> {
+    let part = saturate(select(projected, abs(projected), two_sided) * 0.31830989 / (view.wo.z + view.length));
+    let at_mean = normals_weight(view, sum.flux);
+    let scale = 1.0 + view.rise;
+    let means = sum.sums * (vec4(scale, 1.0, scale, scale * scale) / max(sum.size, 1e-20));
+    let at_rise = normals_weight_of(view, means.y);
+    let extent = sum.size * sum.size;
+    let first = vec4(part, view.rise, at_mean);
+    let second = vec4(max(view.alpha.x, view.alpha.y), min(view.alpha.x, view.alpha.y), at_rise, means.x);
+    let third = sum.size;
+    let sum_0 = mat4x4(-8.753, 0.5654, 0.3926, 0.1981, 0.3816, 24.24, -0.6129, 0.2369, 2.713, 9.272, 6.006, 3.125, 1.758, -0.2931, 0.3957, 3.77) * first
+        + mat4x4(0.6518, -2.403, -2.107, -0.7803, 0.6439, 0.1223, -0.7821, 2.213, -3.177, -0.4119, 0.4902, 1.055, 0.3836, 1.799, -1.441, 1.085) * second
+        + vec4(0.7555, -0.2884, -0.1174, 0.6383) * third
+        + vec4(-1.895, -32.28, -3.253, -6.858);
+    let units_0 = sum_0 + sqrt(sum_0 * sum_0 + 1.0);
+    let outputs = mat4x4(-0.2243, -0.08187, -0.3105, -0.135, 0.03016, -0.3446, 0.07265, -0.385, 0.06841, 0.6177, -0.2157, 0.2122, -0.02905, -0.5208, -0.1619, -0.151) * units_0
+        + vec4(0.5919, 0.2545, 0.969, 1.459);
+    let fifth = dot(vec4(-0.3032, -8.743, -0.4859, 1.045), units_0)
+        + -2.783;
+    let outline = vec2(means.x, means.z / (means.x + 1e-6));
+    return part * normals_blend(vec2(at_mean.x, normals_fifth(at_mean.y)), at_rise, outline, extent / (extent + 1.0), outputs, fifth);
 }
 
 /// The reflected light of a rectangle of radiance one: for a Fresnel factor of one (x), and weighted by Schlick's
@@ -131,22 +218,18 @@ fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided:
     let slide = -1.0 / max(vec2(x.z, y.z), vec2(1e-15));
     let right_up = right + saturate(right.z * slide.y) * y;
     let left_up = left + saturate(left.z * slide.x) * x;
-    // a and b are the ends of the lowest side after clipping. They are equal if the surface cuts nothing off.
+    // a and b are the ends of the lowest side after clipping. They are equal if the surface cuts nothing off; otherwise this side lies on the horizon.
     let a = normals_corner(view, select(low + saturate(low.z * slide.y) * y, left_up, left.z <= 0.0));
     let b = normals_corner(view, select(low + saturate(low.z * slide.x) * x, right_up, right.z <= 0.0));
-    var flux = normals_edge(view, vec3(0.0), a, b);
+    var sum = normals_add(view, NormalsSum(), a, b, false);
     let c = normals_corner(view, right_up);
-    flux = normals_edge(view, flux, b, c);
+    sum = normals_add(view, sum, b, c, true);
     let high = normals_corner(view, right + y);
-    flux = normals_edge(view, flux, c, high);
+    sum = normals_add(view, sum, c, high, true);
     let d = normals_corner(view, left_up);
-    flux = normals_edge(view, normals_edge(view, flux, high, d), d, a);
-    let projected = select(1.0, -1.0, falls.x != falls.y) * dot(flux, view.stretched);
-    let rises = vec4(normals_rise(view, a.w), normals_rise(view, c.w), normals_rise(view, d.w), normals_rise(view, high.w));
-    let least = min(min(rises.x, rises.y), min(rises.z, rises.w));
-    let most = max(max(rises.x, rises.y), max(rises.z, rises.w));
-    let sums = vec2(rises.x + rises.y + rises.z + rises.w, dot(rises, rises));
-    return normals_mean(view, flux, projected, 0.25 * sums, vec2(least, most), two_sided);
+    sum = normals_add(view, normals_add(view, sum, high, d, true), d, a, true);
+    let projected = select(1.0, -1.0, falls.x != falls.y) * dot(sum.flux, view.stretched);
+    return normals_mean(view, sum, projected, two_sided);
 }
 
 /// The reflected light of a convex polygon with 3 to 8 vertices, as in normals_rectangle.
@@ -155,73 +238,26 @@ fn normals_polygon(view: NormalsView, vertices: ptr<function, array<vec3<f32>, 8
     var a = (*vertices)[number - 1u];
     var setting = normals_corner(view, a);
     var rising = setting;
-    var flux = vec3(0.0);
-    var sums = vec2(0.0);
-    var ends = vec2(1.0, 0.0);
+    var sum = NormalsSum();
     for (var i = 0u; i < 8u; i++) {
         if (i < number) {
             let b = (*vertices)[i];
-            if (a.z > 0.0 || b.z > 0.0) {
-                let cut = vec3(a.xy * abs(b.z) + b.xy * abs(a.z), 0.0);
-                let begin = normals_corner(view, select(cut, a, a.z > 0.0));
-                let end = normals_corner(view, select(cut, b, b.z > 0.0));
-                flux = normals_edge(view, flux, begin, end);
-                if (a.z <= 0.0) {
-                    rising = begin;
-                }
-                if (b.z <= 0.0) {
-                    setting = end;
-                }
+            // Below the surface, begin and end are one point of the horizon.
+            let cut = vec3(a.xy * abs(b.z) + b.xy * abs(a.z), 0.0);
+            let begin = normals_corner(view, select(cut, a, a.z > 0.0));
+            let end = normals_corner(view, select(cut, b, b.z > 0.0));
+            sum = normals_add(view, sum, begin, end, true);
+            if (a.z <= 0.0 && b.z > 0.0) {
+                rising = begin;
             }
-            let rise = normals_rise(view, b);
-            sums += rise * vec2(1.0, rise);
-            ends = vec2(min(ends.x, rise), max(ends.y, rise));
+            if (a.z > 0.0 && b.z <= 0.0) {
+                setting = end;
+            }
             a = b;
         }
     }
-    flux = normals_edge(view, flux, setting, rising);
-    return normals_mean(view, flux, dot(flux, view.stretched), sums / f32(number), ends, two_sided);
-}
-
-/// The fraction of the visible normals that reflect the light, times their mean weight. A small network corrects the
-/// weight of the mean normal, from the weights at the vertices and from the fraction.
-fn normals_mean(view: NormalsView, flux: vec3<f32>, projected: f32, rises: vec2<f32>, ends: vec2<f32>, two_sided: bool) -> vec2<f32> {
-    let part = saturate(select(projected, abs(projected), two_sided) * 0.31830989 / (view.wo.z + view.length));
-    let at_mean = normals_weight(view, flux);
-    let at_vertices = normals_weight_of(view, rises.x);
-    let per_length = normals_per_length(flux);
-    let alpha = vec2(max(view.alpha.x, view.alpha.y), min(view.alpha.x, view.alpha.y));
-    let first = vec4(part, view.rise, at_mean);
-    let second = vec4(abs(flux.z) * per_length, alpha, at_vertices);
-    let third = vec4(abs(projected) * per_length / view.length, ends, rises.y);
-    let units_0 = max(
-        mat4x4(-0.4517, -5.272, 1.779, -0.2389, -1.26, 1.688, 0.5576, -1.128, -4.275, 1.481, 30.76, -13.12, -1.536, 4.015, 0.03746, -0.6128) * first
-        + mat4x4(0.4828, -0.123, -3.655, 0.951, 0.6037, 1.921, 2.182, 0.009572, 0.3429, -0.8065, 1.27, -1.125, -0.02034, -0.7458, 1.34, -0.6957) * second
-        + mat4x4(3.5, -0.5266, -4.763, 1.63, -0.2434, -2.357, -0.1187, 0.2569, 0.06323, 2.151, -0.3276, 0.2598, -0.02792, -9.115, -1.102, 0.1882) * third
-        + vec4(2.287, -3.08, -27.36, 11.93),
-        vec4(0.0),
-    );
-    let units_1 = max(
-        mat4x4(2.373, 1.101, -0.2881, -0.2746, 0.894, 2.18, -3.53, 4.745, 1.452, 0.5634, -9.116, 1.627, -0.4989, 0.7647, -2.529, 1.858) * first
-        + mat4x4(-3.776, -0.923, 0.6106, 5.323, 2.5, 2.561, 0.8376, 0.6629, -1.425, 2.694, 0.7314, -7.277, 0.1632, 1.109, 0.502, 1.195) * second
-        + mat4x4(0.3068, -2.404, 5.645, -8.7, -0.1651, -0.7696, -0.4272, 2.286, 0.2761, 0.01648, 0.2228, 1.936, 0.144, -0.2423, -0.456, -10.35) * third
-        + vec4(-2.005, -2.343, 6.88, -4.838),
-        vec4(0.0),
-    );
-    let units_2 = max(
-        mat4x4(0.8842, -0.6139, 0.483, -0.342, -1.322, 0.0633, 0.8474, 1.882, -11.05, -4.906, -14.09, 0.4059, 0.3262, -0.117, 0.09231, 0.7526) * first
-        + mat4x4(-0.4565, -1.156, -0.5831, 0.413, -0.2157, -0.8456, 1.176, 0.5174, -0.3535, 2.117, 0.5998, 0.4314, 0.1399, 3.433, -0.06966, 0.702) * second
-        + mat4x4(-1.07, 0.7266, -0.5591, -0.1247, -0.02631, -5.466, -0.07689, 0.3231, 0.2429, -0.07201, -0.05384, 0.7153, -0.08406, -1.691, 0.174, 0.4504) * third
-        + vec4(12.45, 3.613, 13.75, -5.645),
-        vec4(0.0),
-    );
-    let outputs = mat4x3(-0.003988, -0.2249, 0.01139, 0.1556, 0.04211, 0.2543, 0.05126, -0.008541, -0.02405, 0.01138, 0.03835, -0.1487) * units_0
-        + mat4x3(-0.03438, 0.005577, 0.0775, -0.05159, -0.00132, 0.04855, -3.237e-5, 0.1057, -0.02174, -0.09208, -0.05101, -0.2338) * units_1
-        + mat4x3(-0.01082, -0.09808, 0.02568, 0.008448, 0.007935, 0.1418, -0.04663, 0.02314, 0.09929, 0.125, 0.09136, -0.1615) * units_2
-        + vec3(-8.466e-6, 0.000105, 0.0002346);
-    let weight = saturate(at_mean.x + outputs.z * (at_vertices - at_mean.x) + outputs.x * part);
-    let m2 = at_mean.y * at_mean.y;
-    return part * vec2(weight, clamp(weight * m2 * m2 * at_mean.y + outputs.y * part, 0.0, weight));
+    sum = normals_add(view, sum, setting, rising, false);
+    return normals_mean(view, sum, dot(sum.flux, view.stretched), two_sided);
 }
 
 /// The reflected light of a disk, replaced by the regular octagon of the same area. The disk emits towards half_x x

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// ltcforge 0.1.0, revision 1, sha256 of the text below: 192775bd082ef187
+// ltcforge 0.1.0, revision 2, sha256 of the text below: a5b1d4018f33b7c8
 // Area lights on GGX without a table, in the space of its normals, by rule fast.
 //
 //   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
@@ -8,9 +8,9 @@
 //       Light of radiance L arrives as L (f0 (x - y) + f90 y).
 //
 // CHECK of the rectangle (-1 -1 1) (1 -1 1) (1 1.5 -0.5) (-1 1.5 -0.5), alpha_x alpha_y (wo): x y, within 0.00002
-//   0.3 0.15 (0.36 0.48 0.8): 0.695982 0.000554
-//   0.2 0.6 (-0.64 0.48 0.6): 0.544837 0.002457
-//   0.05 0.02 (0.576 -0.768 0.28): 0.989561 0.186979
+//   0.3 0.15 (0.36 0.48 0.8): 0.692584 0.000055
+//   0.2 0.6 (-0.64 0.48 0.6): 0.552486 0.000339
+//   0.05 0.02 (0.576 -0.768 0.28): 0.988636 0.189273
 
 // A surface seen from direction wo. A = diag(alpha, 1).
 struct NormalsView {
@@ -85,8 +85,17 @@ NormalsCorner normals_corner(NormalsView view, vec3 v) {
     return NormalsCorner(w, image, image * per_length, length2 * per_length);
 }
 
-// Adds the integral of c x dc along the image of an edge, by four arcs. The image is the conic a + 2 t b + t^2 c.
-vec3 normals_edge(NormalsView view, vec3 flux, NormalsCorner begin, NormalsCorner end) {
+// The image of an edge by four arcs: the integral of c x dc along it, added to an earlier one; the point halfway between
+// both ends; and the points where the arcs of each half meet.
+struct NormalsEdge {
+    vec3 flux;
+    vec3 middle;
+    vec3 q;
+    vec3 r;
+};
+
+// The image is the conic a + 2 t b + t^2 c.
+NormalsEdge normals_edge(NormalsView view, vec3 flux, NormalsCorner begin, NormalsCorner end) {
     vec3 a = begin.c;
     vec3 c = end.c;
     vec3 sum = begin.w + end.w;
@@ -106,32 +115,52 @@ vec3 normals_edge(NormalsView view, vec3 flux, NormalsCorner begin, NormalsCorne
     float root = sqrt(per_length);
     float least = 3.4 * root;
     float more = 0.6 * per_length * root;
-    vec3 q = a + n + (least + more * dot(left, left)) * left;
-    vec3 r = c + n + (least + more * dot(right, right)) * right;
-    return normals_arcs(normals_arcs(flux, a, q * normals_per_length(q), n), n, r * normals_per_length(r), c);
+    vec3 beyond_left = a + n + (least + more * dot(left, left)) * left;
+    vec3 beyond_right = c + n + (least + more * dot(right, right)) * right;
+    vec3 q = beyond_left * normals_per_length(beyond_left);
+    vec3 r = beyond_right * normals_per_length(beyond_right);
+    return NormalsEdge(normals_arcs(normals_arcs(flux, a, q, n), n, r, c), n, q, r);
 }
 
-// The fraction of the visible normals that reflect the light, times their mean weight. A small network corrects the
-// weight of the mean normal, from the weight at the vertices and from the fraction.
-vec2 normals_mean(NormalsView view, vec3 flux, float projected, float rise, bool two_sided) {
+// Sums over the edges of a light: the integral of c x dc, the rises of corners, and their number.
+struct NormalsSum {
+    vec3 flux;
+    float rise;
+    float count;
+};
+
+// Adds an edge and the corner at its end. For an edge on the horizon, the corner does not count.
+NormalsSum normals_add(NormalsView view, NormalsSum sum, NormalsCorner begin, NormalsCorner end, bool is_above) {
+    vec3 flux = normals_edge(view, sum.flux, begin, end).flux;
+    if (!is_above) {
+        return NormalsSum(flux, sum.rise, sum.count);
+    }
+    return NormalsSum(flux, sum.rise + normals_rise(view, end.w), sum.count + 1.0);
+}
+
+// The fraction of the visible normals that reflect the light, times their mean weight. It is a blend of the weights at
+// the mean normal and at the corners, with a share from a network. Then it moves by an amount that grows with the
+// fraction. Nothing is cut off, so the light has no contours.
+vec2 normals_mean(NormalsView view, NormalsSum sum, float projected, bool two_sided) {
     float part = clamp((two_sided ? abs(projected) : projected) * 0.31830989 / (view.wo.z + view.length_), 0.0, 1.0);
-    vec2 at_mean = normals_weight(view, flux);
-    float at_vertices = normals_weight_of(view, rise);
-    float per_length = normals_per_length(flux);
-    vec2 alpha = vec2(max(view.alpha.x, view.alpha.y), min(view.alpha.x, view.alpha.y));
+    vec2 at_mean = normals_weight(view, sum.flux);
+    float at_corners = normals_weight_of(view, sum.rise / sum.count);
+    float upright = abs(sum.flux.z) * normals_per_length(sum.flux);
     vec4 first = vec4(part, view.rise, at_mean);
-    vec4 second = vec4(abs(flux.z) * per_length, alpha, at_vertices);
-    vec3 units_0 = max(
-        mat4x3(0.957, -0.2205, 0.6027, -1.39, -0.5151, 0.9099, -10.86, 9.136, -6.964, 0.2335, -0.0706, 0.5823) * first
-        + mat4x3(0.1728, 0.4426, -1.059, -1.234, -0.7694, 2.05, -0.7549, -0.2645, 1.341, -0.01225, -0.1219, 1.024) * second
-        + vec3(10.96, -8.294, 4.826),
-        vec3(0.0)
-    );
-    vec3 outputs = mat3(-0.03396, -0.1141, -0.04112, 0.01311, -0.004379, -0.3055, -0.04821, 0.008404, 0.1643) * units_0
-        + vec3(-0.005077, 0.001849, 0.1108);
-    float weight = clamp(at_mean.x + outputs.z * (at_vertices - at_mean.x) + outputs.x * part, 0.0, 1.0);
+    vec4 second = vec4(upright, max(view.alpha.x, view.alpha.y), min(view.alpha.x, view.alpha.y), at_corners);
+    vec3 sum_0 = mat4x3(-0.1519, -0.7039, 1.037, -0.5392, -1.806, -1.746, 9.027, -12.2, -21.41, 0.2465, -1.285, 2.563) * first
+        + mat4x3(0.3197, 3.16, -0.8452, -1.318, -1.632, -0.6724, -0.2627, -3.212, -0.0576, -0.5294, 0.6265, 0.1072) * second
+        + vec3(-6.745, 11.53, 19.15);
+    vec3 units_0 = sum_0 + sqrt(sum_0 * sum_0 + 1.0);
+    vec3 outputs = mat3(0.1255, -0.6073, -0.03671, 0.1392, 0.1501, -0.1714, -0.08467, 0.004083, -0.7751) * units_0
+        + vec3(0.4829, -3.68, 0.4387);
+    float near = clamp(outputs.x, 0.0, 1.0);
+    float known = at_corners + near * near * (3.0 - 2.0 * near) * (at_mean.x - at_corners);
+    vec2 more = part * outputs.yz / (1.0 + abs(outputs.yz));
     float m2 = at_mean.y * at_mean.y;
-    return part * vec2(weight, clamp(weight * m2 * m2 * at_mean.y + outputs.y * part, 0.0, weight));
+    float schlick = m2 * m2 * at_mean.y;
+    float weight = part * known * (1.0 + more.x * (1.0 - known));
+    return weight * vec2(1.0, schlick * (1.0 + more.y * (1.0 - schlick)));
 }
 
 // The reflected light of a rectangle of radiance one: for a Fresnel factor of one (x), and weighted by Schlick's
@@ -152,19 +181,18 @@ vec2 normals_rectangle(NormalsView view, vec3 corners[4], bool two_sided) {
     vec2 slide = -1.0 / max(vec2(x.z, y.z), vec2(1e-15));
     vec3 right_up = right + clamp(right.z * slide.y, 0.0, 1.0) * y;
     vec3 left_up = left + clamp(left.z * slide.x, 0.0, 1.0) * x;
-    // a and b are the ends of the lowest side after clipping. They are equal if the surface cuts nothing off.
+    // a and b are the ends of the lowest side after clipping. They are equal if the surface cuts nothing off; otherwise this side lies on the horizon.
     NormalsCorner a = normals_corner(view, left.z <= 0.0 ? left_up : low + clamp(low.z * slide.y, 0.0, 1.0) * y);
     NormalsCorner b = normals_corner(view, right.z <= 0.0 ? right_up : low + clamp(low.z * slide.x, 0.0, 1.0) * x);
-    vec3 flux = normals_edge(view, vec3(0.0), a, b);
+    NormalsSum sum = normals_add(view, NormalsSum(vec3(0.0), 0.0, 0.0), a, b, false);
     NormalsCorner c = normals_corner(view, right_up);
-    flux = normals_edge(view, flux, b, c);
+    sum = normals_add(view, sum, b, c, true);
     NormalsCorner high = normals_corner(view, right + y);
-    flux = normals_edge(view, flux, c, high);
+    sum = normals_add(view, sum, c, high, true);
     NormalsCorner d = normals_corner(view, left_up);
-    flux = normals_edge(view, normals_edge(view, flux, high, d), d, a);
-    float projected = (falls.x != falls.y ? -1.0 : 1.0) * dot(flux, view.stretched);
-    float rise = normals_rise(view, a.w) + normals_rise(view, c.w) + normals_rise(view, d.w) + normals_rise(view, high.w);
-    return normals_mean(view, flux, projected, 0.25 * rise, two_sided);
+    sum = normals_add(view, normals_add(view, sum, high, d, true), d, a, true);
+    float projected = (falls.x != falls.y ? -1.0 : 1.0) * dot(sum.flux, view.stretched);
+    return normals_mean(view, sum, projected, two_sided);
 }
 
 // The reflected light of a convex polygon with 3 to 8 vertices, as in normals_rectangle.
@@ -173,29 +201,26 @@ vec2 normals_polygon(NormalsView view, vec3 vertices[8], uint count, bool two_si
     vec3 a = vertices[number - 1u];
     NormalsCorner setting = normals_corner(view, a);
     NormalsCorner rising = setting;
-    vec3 flux = vec3(0.0);
-    float rise = 0.0;
+    NormalsSum sum = NormalsSum(vec3(0.0), 0.0, 0.0);
     for (uint i = 0u; i < 8u; i++) {
         if (i < number) {
             vec3 b = vertices[i];
-            if (a.z > 0.0 || b.z > 0.0) {
-                vec3 cut = vec3(a.xy * abs(b.z) + b.xy * abs(a.z), 0.0);
-                NormalsCorner begin = normals_corner(view, a.z > 0.0 ? a : cut);
-                NormalsCorner end = normals_corner(view, b.z > 0.0 ? b : cut);
-                flux = normals_edge(view, flux, begin, end);
-                if (a.z <= 0.0) {
-                    rising = begin;
-                }
-                if (b.z <= 0.0) {
-                    setting = end;
-                }
+            // Below the surface, begin and end are one point of the horizon.
+            vec3 cut = vec3(a.xy * abs(b.z) + b.xy * abs(a.z), 0.0);
+            NormalsCorner begin = normals_corner(view, a.z > 0.0 ? a : cut);
+            NormalsCorner end = normals_corner(view, b.z > 0.0 ? b : cut);
+            sum = normals_add(view, sum, begin, end, true);
+            if (a.z <= 0.0 && b.z > 0.0) {
+                rising = begin;
             }
-            rise += normals_rise(view, b);
+            if (a.z > 0.0 && b.z <= 0.0) {
+                setting = end;
+            }
             a = b;
         }
     }
-    flux = normals_edge(view, flux, setting, rising);
-    return normals_mean(view, flux, dot(flux, view.stretched), rise / float(number), two_sided);
+    sum = normals_add(view, sum, setting, rising, false);
+    return normals_mean(view, sum, dot(sum.flux, view.stretched), two_sided);
 }
 
 // The reflected light of a disk, replaced by the regular octagon of the same area. The disk emits towards half_x x

@@ -86,6 +86,10 @@ pub const NORMALS_EXAMPLE: &str = include_str!("normals_example.wgsl");
 pub const NORMALS_FAST: &str = include_str!("normals_fast.wgsl");
 /// `normals_fine.wgsl`.
 pub const NORMALS_FINE: &str = include_str!("normals_fine.wgsl");
+/// `normals_outline.wgsl`.
+pub const NORMALS_OUTLINE: &str = include_str!("normals_outline.wgsl");
+/// `normals_rectangle.wgsl`.
+pub const NORMALS_RECTANGLE: &str = include_str!("normals_rectangle.wgsl");
 /// `normals_textured.wgsl`.
 pub const NORMALS_TEXTURED: &str = include_str!("normals_textured.wgsl");
 /// `normals_view.wgsl`.

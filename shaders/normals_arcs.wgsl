@@ -1,8 +1,7 @@
-/// The angle between two unit vectors, divided by its sine. Relative error below 2e-5.
+/// The angle between two unit vectors, divided by its sine. Relative error below 1.3e-4.
 fn normals_angle(a: vec3<f32>, b: vec3<f32>) -> f32 {
     let h = a.x * b.x + (a.y * b.y + (a.z * b.z + 1.0000002));
-    let over_root = 2.2214415 + h * (0.5397048 + h * 0.1000458);
-    return over_root * inverseSqrt(h) + (-0.9985637 + h * (-0.2744782 + h * -0.0173815));
+    return (2.2214415 + h * (0.5054863 + h * 0.0397516)) * inverseSqrt(h) + (-0.9934988 + h * -0.2022361);
 }
 
 /// Adds the integral of c x dc along the arcs of great circles from a to q and from q to n.

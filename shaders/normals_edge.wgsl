@@ -15,8 +15,17 @@ fn normals_corner(view: NormalsView, v: vec3<f32>) -> NormalsCorner {
     return NormalsCorner(w, image, image * per_length, length2 * per_length);
 }
 
-/// Adds the integral of c x dc along the image of an edge, by four arcs. The image is the conic a + 2 t b + t^2 c.
-fn normals_edge(view: NormalsView, flux: vec3<f32>, begin: NormalsCorner, end: NormalsCorner) -> vec3<f32> {
+/// The image of an edge by four arcs: the integral of c x dc along it, added to an earlier one; the point halfway between
+/// both ends; and the points where the arcs of each half meet.
+struct NormalsEdge {
+    flux: vec3<f32>,
+    middle: vec3<f32>,
+    q: vec3<f32>,
+    r: vec3<f32>,
+}
+
+/// The image is the conic a + 2 t b + t^2 c.
+fn normals_edge(view: NormalsView, flux: vec3<f32>, begin: NormalsCorner, end: NormalsCorner) -> NormalsEdge {
     let a = begin.c;
     let c = end.c;
     let sum = begin.w + end.w;
@@ -36,7 +45,9 @@ fn normals_edge(view: NormalsView, flux: vec3<f32>, begin: NormalsCorner, end: N
     let root = sqrt(per_length);
     let least = 3.4 * root;
     let more = 0.6 * per_length * root;
-    let q = a + n + (least + more * dot(left, left)) * left;
-    let r = c + n + (least + more * dot(right, right)) * right;
-    return normals_arcs(normals_arcs(flux, a, q * normals_per_length(q), n), n, r * normals_per_length(r), c);
+    let beyond_left = a + n + (least + more * dot(left, left)) * left;
+    let beyond_right = c + n + (least + more * dot(right, right)) * right;
+    let q = beyond_left * normals_per_length(beyond_left);
+    let r = beyond_right * normals_per_length(beyond_right);
+    return NormalsEdge(normals_arcs(normals_arcs(flux, a, q, n), n, r, c), n, q, r);
 }

@@ -1,196 +1,66 @@
-/// A neural network of rectified linear units. Its outputs are corrections of the weight (x) and of Schlick's part (y),
-/// and the shares of the outer corners (z) and of the tip (w).
-fn normals_network(first: vec4<f32>, second: vec4<f32>, third: vec4<f32>) -> vec4<f32> {
-    let units_0 = max(
-        mat4x4(-13.02, -0.05123, -0.04506, 0.1745, -15.34, 3.537, 0.1719, 0.7646, 0.9581, -0.07924, 1.487, -1.318, 2.672, -0.0372, 0.4158, -0.4705) * first
-        + mat4x4(-7.332, 0.1002, 0.3907, 1.197, 0.4244, 0.008437, 0.1669, 0.245, 2.007, 0.1345, -0.7786, 1.951, 4.066, 0.1216, -0.4966, -2.306) * second
-        + mat4x4(-5.624, -0.02524, 0.9408, -2.893, -1.013, -0.5777, 0.6708, 1.261, 1.449, -0.5531, 2.123, 0.6918, 12.6, 5.388, -3.767, -0.3633) * third
-        + vec4(3.307, -8.365, 1.502, -2.399),
-        vec4(0.0),
-    );
-    let units_1 = max(
-        mat4x4(0.2911, 0.08732, -0.2378, 3.093, 2.329, 5.334, -1.179, -4.725, 0.277, -0.2235, 0.6636, -17.36, -0.5704, -4.27, -0.935, 1.581) * first
-        + mat4x4(3.386, 0.2138, 0.3196, -3.936, 0.08644, 0.1746, 0.2738, 0.559, -0.5253, 0.5686, 0.8081, 3.705, -0.8306, -0.9163, 0.1851, 1.135) * second
-        + mat4x4(0.3792, 0.3699, -1.317, -6.255, 0.9582, 1.731, -0.8138, -18.56, 0.7409, 0.07576, -1.894, 2.134, -2.271, -1.352, -2.596, -11.96) * third
-        + vec4(-3.675, -5.474, 3.814, 22.99),
-        vec4(0.0),
-    );
-    let outputs = mat4x4(0.00491, -0.3719, -0.06271, 0.1884, 0.00863, -0.006025, -0.09717, -0.8619, 0.0008738, -0.00477, 0.07171, 0.1559, -0.06756, 0.03206, -0.1098, -0.2721) * units_0
-        + mat4x4(0.1447, 0.02995, 0.1516, -0.05558, -0.04049, -0.01654, 0.07856, 0.3683, -0.04697, -0.1253, -0.03508, 0.03203, 0.07185, -1.163, -0.002817, -0.0119) * units_1
-        + vec4(-0.005264, 0.004083, 0.0596, -0.0732);
-    return outputs;
+/// The samples of an edge: its middle and its quarters.
+fn normals_samples(view: NormalsView, edge: NormalsEdge) -> vec4<f32> {
+    return (normals_sample(view, edge.middle) + normals_sample(view, edge.q) + normals_sample(view, edge.r)) / 3.0;
 }
 
-/// The tip is the mean normal of a light. All triangles of the light meet at the tip and share the other values.
-struct NormalsTip {
-    c: vec3<f32>,
-    /// part: the fraction of the visible normals that reflect the light. side: the factor that converts an integral's
-    /// component along A wo to a fraction. It is negative if the edges run counterclockwise as seen from the shaded
-    /// point.
-    part: f32,
-    side: f32,
-    /// Inputs of the network that all triangles share: the view's rise, the larger and the smaller alpha, and the
-    /// weight at the tip.
-    shared_inputs: vec4<f32>,
-}
-
-/// Sums over triangles. signed: fractions times the mean weight and times the mean of Schlick's part. sizes: both sums
-/// with absolute fractions, then the sum of the absolute fractions.
-struct NormalsSum {
-    signed: vec2<f32>,
-    sizes: vec3<f32>,
-}
-
-/// The part of an edge above the surface.
-struct NormalsSide {
-    begin: NormalsCorner,
-    end: NormalsCorner,
-}
-
-fn normals_side(view: NormalsView, a: vec3<f32>, b: vec3<f32>) -> NormalsSide {
-    let cut = vec3(a.xy * abs(b.z) + b.xy * abs(a.z), 0.0);
-    let begin = normals_corner(view, select(cut, a, a.z > 0.0));
-    return NormalsSide(begin, normals_corner(view, select(cut, b, b.z > 0.0)));
-}
-
-fn normals_tip(view: NormalsView, flux: vec3<f32>) -> NormalsTip {
-    let projected = dot(flux, view.stretched);
-    let side = select(0.31830989, -0.31830989, projected < 0.0) / (view.wo.z + view.length);
-    let c = flux * (select(1.0, -1.0, projected < 0.0) * normals_per_length(flux));
-    let alpha = vec2(max(view.alpha.x, view.alpha.y), min(view.alpha.x, view.alpha.y));
-    return NormalsTip(c, saturate(projected * side), side, vec4(view.rise, alpha, normals_weight(view, c).x));
-}
-
-/// The integral of c x dc along the arc of a great circle from the tip to a corner.
-fn normals_spoke(tip: NormalsTip, corner: NormalsCorner) -> vec3<f32> {
-    return normals_angle(tip.c, corner.c) * cross(tip.c, corner.c);
-}
-
-/// Adds the triangle between the tip and the image of an edge. flux is the integral of c x dc around the triangle. The
-/// triangle's fraction of the visible normals is multiplied by a mean weight. normals_network corrects the weight of
-/// the triangle's mean normal, from the weights at the outer corners and at the tip, and from the fraction.
-fn normals_triangle(
-    view: NormalsView,
-    tip: NormalsTip,
-    sum: NormalsSum,
-    flux: vec3<f32>,
-    begin: NormalsCorner,
-    end: NormalsCorner,
-) -> NormalsSum {
-    let projected = dot(flux, view.stretched);
-    let part = projected * tip.side;
-    let size = abs(part);
-    // Reverse a triangle with a negative fraction.
-    let c = flux * (select(1.0, -1.0, projected < 0.0) * normals_per_length(flux));
-    let at_mean = normals_weight(view, c);
-    let rises = vec2(normals_rise(view, begin.w), normals_rise(view, end.w));
-    let at_corners = normals_weight_of(view, 0.5 * (rises.x + rises.y));
-    let first = vec4(size, at_mean, at_corners);
-    let second = vec4(dot(c, tip.c), dot(c, begin.c + end.c), abs(c.z), abs(rises.x - rises.y));
-    let outputs = normals_network(first, second, tip.shared_inputs);
-    let known = at_mean.x + outputs.z * (at_corners - at_mean.x) + outputs.w * (tip.shared_inputs.w - at_mean.x);
-    let weight = saturate(known + size * outputs.x);
-    let m2 = at_mean.y * at_mean.y;
-    let means = vec2(weight, clamp(weight * m2 * m2 * at_mean.y + size * outputs.y, 0.0, weight));
-    return NormalsSum(sum.signed + part * means, sum.sizes + size * vec3(means, 1.0));
-}
-
-/// The reflected light of all triangles. Overlapping triangles cancel in the signed sum. The lower bound is half of
-/// tip.part times the means over the triangles, weighted by their absolute fractions.
-fn normals_total(tip: NormalsTip, sum: NormalsSum, is_lit: bool) -> vec2<f32> {
-    let both = max(sum.signed, sum.sizes.xy * (0.5 * tip.part / max(sum.sizes.z, 1e-30)));
-    let energy = min(both.x, tip.part);
-    return select(vec2(0.0), vec2(energy, clamp(both.y, 0.0, energy)), is_lit);
-}
-
-/// The reflected light of a rectangle of radiance one: for a Fresnel factor of one (x), and weighted by Schlick's
-/// (1 - wo . h)^5 (y).
-fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided: bool) -> vec2<f32> {
-    // Orient both sides so that they rise. A corner below the surface slides up along its side.
-    let falls = select(vec2(0.0), vec2(1.0), vec2(corners[1].z, corners[3].z) < corners[0].zz);
-    let along = corners[1] - corners[0];
-    let across = corners[3] - corners[0];
-    let x = (1.0 - 2.0 * falls.x) * along;
-    let y = (1.0 - 2.0 * falls.y) * across;
-    let low = corners[0] + falls.x * along + falls.y * across;
-    let right = low + x;
-    let left = low + y;
-    if (right.z + y.z <= 0.0) {
-        return vec2(0.0);
-    }
-    let slide = -1.0 / max(vec2(x.z, y.z), vec2(1e-15));
-    let right_up = right + saturate(right.z * slide.y) * y;
-    let left_up = left + saturate(left.z * slide.x) * x;
-    // a and b are the ends of the lowest side after clipping. They are equal if the surface cuts nothing off.
-    let a = normals_corner(view, select(low + saturate(low.z * slide.y) * y, left_up, left.z <= 0.0));
-    let b = normals_corner(view, select(low + saturate(low.z * slide.x) * x, right_up, right.z <= 0.0));
-    let c = normals_corner(view, right_up);
-    let high = normals_corner(view, right + y);
-    let d = normals_corner(view, left_up);
-    let none = vec3(0.0);
-    let ab = normals_edge(view, none, a, b);
-    let bc = normals_edge(view, none, b, c);
-    let ch = normals_edge(view, none, c, high);
-    let hd = normals_edge(view, none, high, d);
-    let da = normals_edge(view, none, d, a);
-    let tip = normals_tip(view, ab + bc + ch + hd + da);
-    let to_a = normals_spoke(tip, a);
-    let to_b = normals_spoke(tip, b);
-    var sum = normals_triangle(view, tip, NormalsSum(vec2(0.0), vec3(0.0)), ab + to_a - to_b, a, b);
-    let to_c = normals_spoke(tip, c);
-    sum = normals_triangle(view, tip, sum, bc + to_b - to_c, b, c);
-    let to_high = normals_spoke(tip, high);
-    sum = normals_triangle(view, tip, sum, ch + to_c - to_high, c, high);
-    let to_d = normals_spoke(tip, d);
-    sum = normals_triangle(view, tip, sum, hd + to_high - to_d, high, d);
-    sum = normals_triangle(view, tip, sum, da + to_d - to_a, d, a);
-    return normals_total(tip, sum, two_sided || (tip.side > 0.0) == (falls.x == falls.y));
-}
-
-/// The reflected light of a convex polygon with 3 to 8 vertices, as in normals_rectangle.
-fn normals_polygon(view: NormalsView, vertices: ptr<function, array<vec3<f32>, 8>>, count: u32, two_sided: bool) -> vec2<f32> {
-    let number = clamp(count, 3u, 8u);
-    var a = (*vertices)[number - 1u];
-    var setting = normals_corner(view, a);
-    var rising = setting;
-    var flux = vec3(0.0);
-    var highest = 0.0;
-    for (var i = 0u; i < 8u; i++) {
-        if (i < number) {
-            let b = (*vertices)[i];
-            if (a.z > 0.0 || b.z > 0.0) {
-                let side = normals_side(view, a, b);
-                flux = normals_edge(view, flux, side.begin, side.end);
-                if (a.z <= 0.0) {
-                    rising = side.begin;
-                }
-                if (b.z <= 0.0) {
-                    setting = side.end;
-                }
-            }
-            highest = max(highest, b.z);
-            a = b;
-        }
-    }
-    if (highest <= 0.0) {
-        return vec2(0.0);
-    }
-    let horizon = normals_edge(view, vec3(0.0), setting, rising);
-    let tip = normals_tip(view, flux + horizon);
-    let spokes = normals_spoke(tip, setting) - normals_spoke(tip, rising);
-    var sum = NormalsSum(vec2(0.0), vec3(0.0));
-    sum = normals_triangle(view, tip, sum, horizon + spokes, setting, rising);
-    for (var i = 0u; i < 8u; i++) {
-        if (i < number) {
-            let b = (*vertices)[i];
-            if (a.z > 0.0 || b.z > 0.0) {
-                let side = normals_side(view, a, b);
-                let spokes = normals_spoke(tip, side.begin) - normals_spoke(tip, side.end);
-                let triangle = normals_edge(view, spokes, side.begin, side.end);
-                sum = normals_triangle(view, tip, sum, triangle, side.begin, side.end);
-            }
-            a = b;
-        }
-    }
-    return normals_total(tip, sum, two_sided || tip.side > 0.0);
+/// The fraction of the visible normals that reflect the light, times their mean weight.
+fn normals_mean(view: NormalsView, sum: NormalsSum, projected: f32, two_sided: bool) -> vec2<f32> {
+    let part = saturate(select(projected, abs(projected), two_sided) * 0.31830989 / (view.wo.z + view.length));
+    let at_mean = normals_weight(view, sum.flux);
+    let scale = 1.0 + view.rise;
+    let means = sum.sums * (vec4(scale, 1.0, scale, scale * scale) / max(sum.size, 1e-20));
+    let at_rise = normals_weight_of(view, means.y);
+    let extent = sum.size * sum.size + 3.0 * part;
+    let first = vec4(part, view.rise, at_mean);
+    let second = vec4(max(view.alpha.x, view.alpha.y), min(view.alpha.x, view.alpha.y), at_rise, means.x);
+    let per_length = normals_per_length(sum.flux);
+    let upright = abs(sum.flux.z) * per_length;
+    let along = abs(projected) * per_length / view.length;
+    let third = vec4(extent / (extent + 1.0), upright, along, sqrt(max(means.w - means.x * means.x, 0.0)));
+    let sum_0 = mat4x4(-2.039, -0.3932, -1.161, 0.08536, 2.069, -1.561, -3.232, 5.063, 1.137, 4.113, -6.314, 4.178, -0.5515, -3.296, -0.4772, -0.241) * first
+        + mat4x4(-0.6182, -0.002778, -2.156, -2.111, 0.4018, -5.359, -2.255, -0.6199, 1.089, -0.2231, -0.2998, -0.3757, 0.6835, -0.4809, 1.885, 1.891) * second
+        + mat4x4(-0.1379, -1.147, 0.4444, -1.484, -0.2932, -0.4255, 1.254, -1.411, -1.724, 1.211, 1.57, 1.232, 1.216, 1.562, 0.6317, 0.3524) * third
+        + vec4(-1.401, -0.7181, 5.394, -8.954);
+    let units_0 = sum_0 + sqrt(sum_0 * sum_0 + 1.0);
+    let sum_1 = mat4x4(0.7062, 1.049, 1.563, -0.2758, 0.706, 8.209, 0.03421, 4.403, 0.5674, 3.206, -6.662, 3.527, 1.484, -0.07269, -0.4873, 1.514) * first
+        + mat4x4(1.32, -2.034, 0.2653, 1.698, 1.244, -0.9656, -1.002, 2.541, 0.2109, -0.4236, 3.516, 1.019, 1.84, -0.01246, 5.593, 1.963) * second
+        + mat4x4(-1.608, -0.6754, -1.373, -2.445, 1.767, 0.4361, -0.4965, -0.1341, -1.66, -1.534, -0.3337, -3.486, 3.704, 0.3497, 3.279, 1.263) * third
+        + vec4(-5.518, -9.94, -1.407, -7.077);
+    let units_1 = sum_1 + sqrt(sum_1 * sum_1 + 1.0);
+    let sum_2 = mat4x4(1.086, -0.4916, -1.142, -3.558, -0.5173, -1.201, -0.5595, 1.331, -0.2195, 0.7847, -2.237, -1.731, -4.895, -0.7167, -0.1041, -3.098) * first
+        + mat4x4(0.3365, -1.647, 0.8761, -0.7999, 2.02, -1.946, -2.007, -0.4059, -0.2868, -1.445, 2.636, -0.6694, 0.04094, 0.5853, -0.3502, -0.4911) * second
+        + mat4x4(1.696, 0.8977, -0.6088, -5.308, -2.087, -0.3814, 1.897, 0.7988, -0.344, 0.3641, -1.227, 0.07752, 1.035, -0.01243, 1.428, -3.002) * third
+        + vec4(2.335, 2.395, -0.1314, 4.897);
+    let units_2 = sum_2 + sqrt(sum_2 * sum_2 + 1.0);
+    let sum_3 = mat4x4(-0.5685, -0.8976, -0.9647, 0.8471, 1.049, 2.321, 8.445, 2.639, 2.439, -0.4414, 1.351, -3.481, 0.1526, 1.094, -2.145, -5.787) * first
+        + mat4x4(1.016, -0.9275, -3.756, -4.232, -0.2063, -0.2199, 0.1367, -1.619, -1.428, -0.6117, 3.541, -1.18, -1.792, 1.118, 1.701, 0.8418) * second
+        + mat4x4(-2.269, -0.6988, -3.48, -1.808, 1.034, -1.278, -2.518, 0.9046, -1.194, 1.866, -5.72, -1.531, 2.092, 1.313, 4.752, 1.093) * third
+        + vec4(-1.832, -2.213, -3.515, 4.542);
+    let units_3 = sum_3 + sqrt(sum_3 * sum_3 + 1.0);
+    let sum_4 = mat4x4(-1.539, 1.589, -1.072, -2.985, 0.2942, -1.967, 4.01, 1.307, 0.9626, 2.394, -1.054, -2.707, -2.101, -0.723, 0.6818, 0.3712) * first
+        + mat4x4(-4.152, 0.5593, -0.9392, -3.678, -0.6923, 0.2562, -5.127, -3.257, -0.3762, 0.9274, 1.999, -0.001126, -0.09507, -0.5312, -0.3287, -0.8075) * second
+        + mat4x4(-0.2252, -0.8978, -0.6663, 0.6066, 0.1854, -1.541, 0.3857, 0.07791, -1.718, -2.662, -0.2702, -0.6399, 0.0516, 1.102, 1.365, 0.06473) * third
+        + vec4(2.95, 0.5316, -3.161, 3.295);
+    let units_4 = sum_4 + sqrt(sum_4 * sum_4 + 1.0);
+    let sum_5 = mat4x4(-0.5161, -5.495, 0.7443, 1.545, -0.9594, 0.7228, 1.626, -0.8105, -2.426, 2.567, -4.977, -2.913, -0.9528, 1.771, -0.05682, 0.02518) * first
+        + mat4x4(1.111, -0.05951, -4.468, -1.247, -1.688, -0.09866, -3.057, 0.7564, 1.117, -1.208, 0.1953, -0.6212, -0.01718, -0.3598, -0.1684, 0.3873) * second
+        + mat4x4(-0.09717, 1.655, -1.194, 0.6565, 1.924, -0.4212, -1.061, -1.625, -0.9206, 0.2815, -2.083, -2.315, -2.815, 0.502, 0.1523, 1.122) * third
+        + vec4(2.748, -2.228, 7.232, 4.752);
+    let units_5 = sum_5 + sqrt(sum_5 * sum_5 + 1.0);
+    let outputs = mat4x4(-0.1106, 0.08016, 0.005841, -0.1017, -0.01772, -0.1401, -0.1086, 0.2219, 0.02818, -0.02819, 0.127, 0.2561, 0.2248, 0.367, -0.07047, 0.3481) * units_0
+        + mat4x4(-0.138, -0.3618, -0.0639, 0.1409, 0.09873, -0.8522, 0.1439, 0.3722, -0.04746, -1.37, 0.0009519, 0.02402, -0.03645, 0.2986, -0.032, -0.3127) * units_1
+        + mat4x4(-0.0002445, 0.00839, 1.514, -0.02179, 0.03828, 0.4351, -0.0985, -0.3377, 0.09336, 0.2187, -0.1203, 0.001467, -0.09693, -0.09539, 0.08355, -0.05665) * units_2
+        + mat4x4(-0.008679, 0.02628, 0.2925, 0.4728, 0.08999, 0.05356, 0.08329, 0.7342, 0.02186, 0.03799, 0.01526, -1.893, -0.0003213, 0.3159, -0.7461, -1.527) * units_3
+        + mat4x4(0.02876, -0.3534, 0.0584, -0.2804, 0.05063, -0.07299, 0.04744, 0.3554, 0.004438, -0.02983, 0.03763, -0.9901, 0.2225, 0.1531, -0.09778, 0.1589) * units_4
+        + mat4x4(-0.02985, 0.143, 0.02805, -0.2387, -0.09125, -0.4048, 0.005348, 0.5038, -0.1214, 0.01733, 0.04247, -0.06005, 0.03049, -0.5334, -0.6051, -0.09135) * units_5
+        + vec4(0.6476, -0.05922, -0.1011, 0.6326);
+    let fifth = dot(vec4(1.959, -1.367, 0.3933, 0.166), units_0)
+        + dot(vec4(-1.845, -14.23, 1.28, 0.2228), units_1)
+        + dot(vec4(0.4829, -0.7133, 0.428, -0.6352), units_2)
+        + dot(vec4(-4.656, 0.6847, -0.2872, -3.274), units_3)
+        + dot(vec4(2.379, -1.08, -1.365, -1.417), units_4)
+        + dot(vec4(0.2263, -0.5534, -0.1932, 0.05776), units_5)
+        + -0.5715;
+    let outline = vec2(means.x, means.z / (means.x + 1e-6));
+    return part * normals_blend(vec2(at_mean.x, normals_fifth(at_mean.y)), at_rise, outline, extent / (extent + 1.0), outputs, fifth);
 }

@@ -14,11 +14,27 @@ use ltcforge_light::normals::{NormalsRule, reflected};
 /// The files of the shader text for a rule.
 pub(super) fn normals_files(rule: NormalsRule) -> &'static [&'static str] {
     match rule {
-        NormalsRule::Fast => &["normals_view", "normals_arcs_rough", "normals_edge", "normals_fast", "normals_disk"],
-        NormalsRule::Balanced => &["normals_view", "normals_arcs", "normals_edge", "normals_balanced", "normals_disk"],
-        NormalsRule::Fine | NormalsRule::Exact => {
-            &["normals_view", "normals_arcs", "normals_edge", "normals_fine", "normals_disk"]
+        NormalsRule::Fast => {
+            &["normals_view", "normals_arcs_rough", "normals_edge", "normals_fast", "normals_rectangle", "normals_disk"]
         }
+        NormalsRule::Balanced => &[
+            "normals_view",
+            "normals_arcs",
+            "normals_edge",
+            "normals_outline",
+            "normals_balanced",
+            "normals_rectangle",
+            "normals_disk",
+        ],
+        NormalsRule::Fine | NormalsRule::Exact => &[
+            "normals_view",
+            "normals_arcs",
+            "normals_edge",
+            "normals_outline",
+            "normals_fine",
+            "normals_rectangle",
+            "normals_disk",
+        ],
     }
 }
 
@@ -53,7 +69,7 @@ const CALLS: &str = "    let disk = normals_disk(view, vertices[0], vertices[1],
 ";
 
 /// The revision. It is raised when the values of the check change for any rule.
-const REVISION: u32 = 1;
+const REVISION: u32 = 2;
 
 /// The first part of the comment: description and functions.
 const ABOUT: &str = "\

@@ -19,7 +19,7 @@ pub struct Shader {
 }
 
 /// Every shader except the parts of layouts. Each shader follows the shaders that it needs.
-pub const SHADERS: [Shader; 51] = [
+pub const SHADERS: [Shader; 53] = [
     Shader { name: "ltc_math", source: ltcforge_wgsl::LTC_MATH },
     Shader { name: "ltc_quadrant", source: ltcforge_wgsl::LTC_QUADRANT },
     Shader { name: "texels_volumes", source: ltcforge_wgsl::TEXELS_VOLUMES },
@@ -45,9 +45,11 @@ pub const SHADERS: [Shader; 51] = [
     Shader { name: "normals_arcs", source: ltcforge_wgsl::NORMALS_ARCS },
     Shader { name: "normals_arcs_rough", source: ltcforge_wgsl::NORMALS_ARCS_ROUGH },
     Shader { name: "normals_edge", source: ltcforge_wgsl::NORMALS_EDGE },
+    Shader { name: "normals_outline", source: ltcforge_wgsl::NORMALS_OUTLINE },
     Shader { name: "normals_balanced", source: ltcforge_wgsl::NORMALS_BALANCED },
     Shader { name: "normals_fast", source: ltcforge_wgsl::NORMALS_FAST },
     Shader { name: "normals_fine", source: ltcforge_wgsl::NORMALS_FINE },
+    Shader { name: "normals_rectangle", source: ltcforge_wgsl::NORMALS_RECTANGLE },
     Shader { name: "normals_disk", source: ltcforge_wgsl::NORMALS_DISK },
     Shader { name: "gaussians_light", source: ltcforge_wgsl::GAUSSIANS_LIGHT },
     Shader { name: "gaussians_table", source: ltcforge_wgsl::GAUSSIANS_TABLE },

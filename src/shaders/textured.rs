@@ -1,10 +1,7 @@
 //! The shader text for lights with pictures: the reads, which all models share under different names, and a model's
 //! lobe.
 
-use super::{
-    Additions, Bound, LitBy, Reading, additions::pictured, namespace::prefixed, normals_header::normals_files,
-    sources::joined,
-};
+use super::{Additions, Bound, LitBy, Reading, additions::pictured, namespace::prefixed};
 use ltcforge_light::{LightModel, textured::Readings};
 
 /// The description in the text to include.
@@ -76,7 +73,7 @@ impl LitBy {
             .replace("TexturedLobe", lobe);
         let shared = prefixed(&shared, "textured", own);
         let of_model = match self.model() {
-            LightModel::Normals => format!("{}\n{}", ltcforge_wgsl::NORMALS_TEXTURED, self.normals_rectangle()),
+            LightModel::Normals => format!("{}\n{}", ltcforge_wgsl::NORMALS_TEXTURED, Self::normals_rectangle()),
             _ if self.additions().cut => {
                 ltcforge_wgsl::LTC_TEXTURED.replace("= ltc_rectangle(", "= ltc_cut_rectangle(")
             }
@@ -85,12 +82,11 @@ impl LitBy {
         format!("\n{shared}\n{of_model}")
     }
 
-    /// The rule's `normals_rectangle` with a picture: the same code, followed by the colour for the same outline.
-    fn normals_rectangle(self) -> String {
-        let text = joined(self.rule().map_or(&[], normals_files));
+    /// `normals_rectangle` with a picture: the same code, followed by the colour for the same outline.
+    fn normals_rectangle() -> String {
+        let text = ltcforge_wgsl::NORMALS_RECTANGLE;
         let begins = text.find("fn normals_rectangle(").unwrap_or(0);
         let ends = text[begins..].find("\n}\n").map_or(text.len(), |length| begins + length + 3);
-        let flux = text[begins..ends].find("normals_tip(view, ").map_or("flux", |_| "around");
         let rectangle = text[begins..ends]
             .replace("fn normals_rectangle(", "fn normals_shown_rectangle(")
             .replace(
@@ -98,16 +94,11 @@ impl LitBy {
                 "two_sided: bool, picture: u32, base: f32, is_profile: bool) -> NormalsTextured {",
             )
             .replace("return vec2(0.0);", "return NormalsTextured(vec2(0.0), vec3(0.0));")
-            .replace(
-                "let tip = normals_tip(view, ab + bc + ch + hd + da);",
-                "let around = ab + bc + ch + hd + da;\n    let tip = normals_tip(view, around);",
-            )
-            .replace("    return normals_mean(", "    let parts = normals_mean(")
-            .replace("    return normals_total(", "    let parts = normals_total(");
+            .replace("    return normals_mean(", "    let parts = normals_mean(");
         let body = rectangle.trim_end_matches("}\n");
         format!(
             "{ABOUT_SHOWN}{body}    let frame = normals_frame(corners);
-    let colour = normals_colour(view, frame, normals_bump(view, frame, {flux}), picture, base, is_profile);
+    let colour = normals_colour(view, frame, normals_bump(view, frame, sum.flux), picture, base, is_profile);
     return NormalsTextured(parts, colour);
 }}
 {SHOWN}"

@@ -35,6 +35,8 @@ pub enum Kind {
     Huge,
     /// Alpha over several decades with a ratio from 0.05, half sides from 0.002 to 50, and views up to 89.9 degrees.
     Extreme,
+    /// Horizontal ceilings at height one, with half sides of 3 to 10,000. The largest are a white sky.
+    Sky,
     /// `Extreme` with both roughnesses drawn over several decades.
     Needle,
     /// An upright wall opposite the viewer. The middle of its lower edge is `foot` times its height above the surface.
@@ -69,10 +71,11 @@ pub enum Kind {
 
 impl Kind {
     /// The kinds that the search for networks uses.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::Random,
         Self::Anisotropic,
         Self::Huge,
+        Self::Sky,
         Self::Extreme,
         Self::Wall { foot: 0.0, tilt: 0.0 },
         Self::NearHorizon,
@@ -95,6 +98,7 @@ impl Kind {
             Self::Isotropic => "isotropic, alpha .02 to 1",
             Self::Anisotropic => "random, strongly anisotropic",
             Self::Huge => "of 50 radii, nearly half of all directions",
+            Self::Sky => "ceilings, up to a white sky",
             Self::Extreme => "extremes: alpha 1e-4 to 1, ratio .05 to 1, sizes 0.002 to 50, views to 89.9 degrees",
             Self::Needle => "extremes, but both roughnesses log-uniform from 1e-4 to 1",
             Self::Wall { .. } => "walls",
@@ -281,6 +285,12 @@ impl Generator {
             Kind::Isotropic => self.around_lobe(&ISOTROPIC, [0.05, 50.0], 1.0),
             Kind::Anisotropic => self.around_lobe(&ANISOTROPIC, USUAL, 1.0),
             Kind::Huge => self.around_lobe(&ALL, [50.0, 50.0], 1.0),
+            Kind::Sky => {
+                let at = self.configuration(&ALL);
+                let size = self.0.logarithmic(3.0, 1e4);
+                let [x, y] = [DVec3::X * size, DVec3::Y * size];
+                (at, [-x - y, x - y, x + y, y - x].map(|v| v + DVec3::Z))
+            }
             Kind::Extreme => self.around_lobe(&EXTREME, [0.002, 50.0], 1.0),
             Kind::Needle => self.around_lobe(&NEEDLE, [0.002, 50.0], 1.0),
             Kind::Sliver => self.around_lobe(&ALL, USUAL, 3.0),

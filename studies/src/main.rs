@@ -282,6 +282,10 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
             let current = Numbers::from(rule.network());
             let candidates = [("current", &current), ("found", &found.numbers)];
             println!("\n{}", networks::by_kind(rule, seed + 1, lights.min(60_000), &candidates));
+            let faults = |(name, numbers): (&str, &Numbers)| {
+                paths::row(name, paths::measure(seed + 1, 1.0, |lit| numbers.reflected(rule, lit)))
+            };
+            println!("{}{}", paths::HEAD, candidates.map(faults).concat());
             print_numbers(rule, &found.numbers);
         }
     }

@@ -99,27 +99,27 @@ pub fn angle_over_sine() -> Sum {
 }
 
 /// Terms and value of [`arcs_close`]. They are divided by the quotient, so that the error is relative.
-fn of_arcs(c: f64) -> ([f64; 5], f64) {
+fn of_arcs(c: f64) -> ([f64; 4], f64) {
     let h = 2.0 * c * c;
     let (angle, root) = (2.0 * c.acos(), h.sqrt());
     let quotient = angle / angle.sin();
-    let terms = [h / root, h * h / root, 1.0, h, h * h].map(|term| term / quotient);
+    let terms = [h / root, h * h / root, 1.0, h].map(|term| term / quotient);
     (terms, 1.0 - std::f64::consts::PI * std::f64::consts::FRAC_1_SQRT_2 / (root * quotient))
 }
 
 /// An angle divided by its sine, up to an angle of pi, with the least relative error, for `h = 1 + cosine`:
-/// `(pi / sqrt 2 + a h + b h^2) / sqrt h + c + d h + e h^2`. The terms are functions of the cosine of half the angle,
+/// `(pi / sqrt 2 + a h + b h^2) / sqrt h + c + d h`. The terms are functions of the cosine of half the angle,
 /// `sqrt(h / 2)`.
 #[must_use]
 pub fn arcs_close() -> Sum {
     minimax(&Approximation { terms: |c| of_arcs(c).0, function: |c| of_arcs(c).1 })
 }
 
-/// [`arcs_close`] without b and e.
+/// [`arcs_close`] without b.
 #[must_use]
 pub fn arcs_rough() -> Sum {
     let terms = |c| {
-        let [a, _, c, d, _] = of_arcs(c).0;
+        let [a, _, c, d] = of_arcs(c).0;
         [a, c, d]
     };
     minimax(&Approximation { terms, function: |c| of_arcs(c).1 })

@@ -8,7 +8,7 @@ use ltcforge::{
     fit::{Sides, Table},
     light::{
         NormalsRule, by_table,
-        normals::{reflected, regions, visible},
+        normals::{reflected, region, visible},
     },
 };
 
@@ -41,7 +41,7 @@ fn visible_errors(cases: &[Case]) -> Spread {
     let error = |case: &Case| {
         let Lit { vertices, .. } = &case.lit;
         let (alpha, wo) = (case.lit.alpha(), case.lit.wo());
-        let found = regions(alpha, wo, vertices, Sides::Two, NormalsRule::Balanced).map_or(0.0, |found| found.visible);
+        let found = region(alpha, wo, vertices, Sides::Two, NormalsRule::Balanced).map_or(0.0, |found| found.visible);
         (found - visible(alpha, wo, vertices).abs()).abs()
     };
     Spread::of(cases.iter().map(error).collect())

@@ -1,38 +1,59 @@
 //! Finds the networks of model `normals`. They estimate the mean weight of shadowing: see docs/normals.md.
 //!
 //! The optimiser is Adam [Kingma, Ba 2015]: each step follows the gradient over a few cases, in units of its running
-//! size. The step length decreases along half a cosine. The result is the best of several starts. All random numbers
+//! size. The step length decreases along half a cosine. The result is the start with the least product of its error and
+//! the relative error of strips. All random numbers
 //! come from the seed, and sums have a fixed order.
 
-use std::{f32::consts::PI, fmt::Write as _};
+use std::{f64::consts::PI, fmt::Write as _};
 
 use ltcforge::{
     fit::Sides,
     light::{
         NormalsRule,
-        normals::{INPUTS, LEAST_OF_OVERLAPPING, Network, OUTPUTS, Region, regions},
+        normals::{INPUTS, Network, OUTPUTS, Region, region},
     },
 };
 use rand_core::{Rng as _, SeedableRng as _};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
-use crate::lights::{Case, Kind, Lit, Spread, cases};
+use crate::{
+    lights::{Case, Kind, Lit, Spread, cases, lits},
+    paths::{about_middle, to_one_side},
+};
 
 /// Significant digits of a number in the source.
 const DIGITS: i32 = 4;
 /// Cases per step.
 const BATCH: usize = 256;
 /// The length of the first step.
-const STEP: f32 = 0.015;
+const STEP: f64 = 0.006;
 /// The decay per step of the running means of the gradient and of its square.
-const DECAY: [f32; 2] = [0.9, 0.999];
+const DECAY: [f64; 2] = [0.9, 0.999];
 /// Errors below this are negligible: the objective is quadratic there.
-const NEGLIGIBLE: f32 = 2e-4;
+const NEGLIGIBLE: f64 = 2e-4;
 /// The weight of the squared error relative to the absolute error. It reduces large errors.
-const LARGE: f32 = 10.0;
+const LARGE: f64 = 10.0;
+/// The weight of the relative error, for lights much brighter than `DARK`.
+const RELATIVE: f64 = 0.015;
+const DARK: f64 = 0.002;
 /// The weight of an error in Schlick's part, relative to an error in the energy.
-const SCHLICK: f32 = 0.7;
+const SCHLICK: f64 = 0.7;
+/// Steps of a light that grows.
+const GROWTH: usize = 10;
+/// The number of lights that grow, relative to the number of lights.
+const PATHS: f64 = 0.25;
+/// The weight of a squared fall of a light that grows, for metal and for plastic.
+const FALL: [f64; 2] = [400.0, 2000.0];
+/// Reflectance at normal incidence of the plastic.
+const PLASTIC: f64 = 0.04;
+/// The outputs that are shares of blends.
+const SHARES: [usize; 2] = [0, 3];
+/// The slope of a share beyond its ends, in the first half of the search.
+const LEAK: f64 = 0.1;
+/// The step of differences by an output.
+const TINY: f64 = 1e-5;
 
 /// The options of [`find`].
 #[derive(Debug, Clone, Copy)]
@@ -54,16 +75,16 @@ pub struct Options {
 pub fn units(rule: NormalsRule) -> usize {
     match rule {
         NormalsRule::Fast => 3,
-        NormalsRule::Balanced => 12,
-        NormalsRule::Fine | NormalsRule::Exact => 8,
+        NormalsRule::Balanced => 4,
+        NormalsRule::Fine | NormalsRule::Exact => 24,
     }
 }
 
-/// The number of outputs of a rule's network. The last output is for the tip of a triangle, and only some rules have
-/// triangles.
+/// The number of outputs of a rule's network. Rule `fast` has no samples of the outline, so it has no use for the last
+/// two.
 #[must_use]
 pub fn outputs(rule: NormalsRule) -> usize {
-    if matches!(rule, NormalsRule::Fine | NormalsRule::Exact) { OUTPUTS } else { OUTPUTS - 1 }
+    if rule == NormalsRule::Fast { OUTPUTS - 2 } else { OUTPUTS }
 }
 
 /// Draws `count` cases, the same number for each kind.
@@ -98,8 +119,7 @@ impl Numbers {
     pub fn reflected(&self, rule: NormalsRule, lit: &Lit) -> [f64; 2] {
         let (units, outputs) = (slices(&self.units), slices(&self.outputs));
         let network = Network { units: &units, outputs: &outputs };
-        let found = regions(lit.alpha(), lit.wo(), &lit.vertices, Sides::Two, rule);
-        found.map_or([0.0; 2], |found| found.reflected(|region| network.at(&region.inputs[..rule.inputs()])))
+        region_of(rule, lit).map_or([0.0; 2], |region| region.reflected(&network))
     }
 
     /// The numbers as written in `src/light/normals/numbers.rs`.
@@ -117,43 +137,56 @@ impl Numbers {
         )
     }
 
-    /// The numbers as written in the shader of the rule: matrices in column order, each with four inputs and at most
-    /// four units.
+    /// The numbers as written in the shader of the rule: matrices in column order, each with at most four inputs and
+    /// four units. The fifth output is apart.
     #[must_use]
     pub fn as_wgsl(&self, rule: NormalsRule) -> String {
         let mut out = String::new();
         let (group, inputs) = (self.units.len().min(4), rule.inputs());
-        let outputs = self.outputs.len();
         for (i, units) in self.units.chunks(group).enumerate() {
-            let columns = |from: usize, to: usize| matrix(units, from, to);
-            let names: &[&str] = if inputs == INPUTS { &["first", "second", "third"] } else { &["first", "second"] };
-            let terms: Vec<String> =
-                names.iter().enumerate().map(|(k, name)| format!("{} * {name}", columns(4 * k, 4 * k + 4))).collect();
+            let term = |(from, name): (usize, &str)| format!("{} * {name}", matrix(units, from, inputs.min(from + 4)));
+            let terms: Vec<String> = (0..inputs).step_by(4).zip(["first", "second", "third"]).map(term).collect();
             let bias = listed(&units.iter().map(|row| row[inputs]).collect::<Vec<_>>());
             let _ = writeln!(
                 out,
-                "    let units_{i} = max(\n        {}\n        + vec{group}({bias}),\n        vec{group}(0.0),\n    );",
+                "    let sum_{i} = {}\n        + vec{group}({bias});\n    let units_{i} = sum_{i} + sqrt(sum_{i} * sum_{i} + 1.0);",
                 terms.join("\n        + "),
             );
         }
-        let terms: Vec<String> = (0..self.units.len() / group)
-            .map(|i| format!("{} * units_{i}", matrix(&self.outputs, i * group, (i + 1) * group)))
-            .collect();
-        let bias = listed(&self.outputs.iter().map(|row| row[self.units.len()]).collect::<Vec<_>>());
-        let _ = writeln!(out, "    let outputs = {}\n        + vec{outputs}({bias});", terms.join("\n        + "));
+        let (told, fifth) = self.outputs.split_at(self.outputs.len().min(4));
+        let groups = 0..self.units.len() / group;
+        for (name, rows) in [("outputs", told), ("fifth", fifth)].into_iter().filter(|(_, rows)| !rows.is_empty()) {
+            let count = rows.len();
+            let term = |i: usize| {
+                let matrix = matrix(rows, i * group, (i + 1) * group);
+                if count == 1 { format!("dot({matrix}, units_{i})") } else { format!("{matrix} * units_{i}") }
+            };
+            let terms: Vec<String> = groups.clone().map(term).collect();
+            let bias = listed(&rows.iter().map(|row| row[self.units.len()]).collect::<Vec<_>>());
+            let bias = if count == 1 { bias } else { format!("vec{count}({bias})") };
+            let _ = writeln!(out, "    let {name} = {}\n        + {bias};", terms.join("\n        + "));
+        }
         out
     }
+}
+
+fn region_of(rule: NormalsRule, lit: &Lit) -> Option<Region<f64>> {
+    region(lit.alpha(), lit.wo(), &lit.vertices, Sides::Two, rule)
 }
 
 fn slices(rows: &[Vec<f64>]) -> Vec<&[f64]> {
     rows.iter().map(Vec::as_slice).collect()
 }
 
-/// Some columns of the rows, as a WGSL matrix.
+/// Some columns of the rows, as a WGSL matrix, or as a vector if there is one row or one column.
 fn matrix(rows: &[Vec<f64>], from: usize, to: usize) -> String {
     let column = |k: usize| listed(&rows.iter().map(|row| row[k]).collect::<Vec<_>>());
     let columns: Vec<String> = (from..to).map(column).collect();
-    format!("mat{}x{}({})", to - from, rows.len(), columns.join(", "))
+    let name = match (to - from, rows.len()) {
+        (1, count) | (count, 1) => format!("vec{count}"),
+        (columns, rows) => format!("mat{columns}x{rows}"),
+    };
+    format!("{name}({})", columns.join(", "))
 }
 
 fn listed(numbers: &[f64]) -> String {
@@ -171,49 +204,63 @@ fn rounded(x: f64) -> f64 {
     if one >= 1.0 { (x * one).round() / one } else { (x * one).round() * one.recip().round() }
 }
 
-/// The features of a region of a case, in f32.
-struct Features {
-    part: f32,
-    at_mean: f32,
-    schlick: f32,
-    /// The values at the corners and at the tip, minus the value at the mean. They are the factors of the last two
-    /// outputs.
-    offsets: [f32; 2],
-    inputs: [f32; INPUTS],
-}
-
 /// The weight of cases of a kind.
 fn weight(kind: Kind) -> f64 {
     if matches!(kind, Kind::Random | Kind::Anisotropic | Kind::Strip) { 3.0 } else { 1.0 }
 }
 
-/// A training case, in f32.
-struct Lesson {
-    truth: [f32; 2],
-    /// The weight of the case.
-    weight: f32,
-    visible: f32,
-    regions: Vec<Features>,
+/// What a network has to learn. The inputs of the regions are normalised.
+enum Lesson {
+    /// The true light of a region, and the weight of the case.
+    Light(Region<f64>, [f64; 2], f64),
+    /// A light that grows, in some steps. What it reflects must not fall.
+    Growth(Vec<Region<f64>>),
 }
 
 impl Lesson {
-    fn of(rule: NormalsRule, kind: Kind, Case { lit, truth }: &Case) -> Self {
-        let found = regions(lit.alpha(), lit.wo(), &lit.vertices, Sides::Two, rule);
-        let (visible, regions) = found.map_or((0.0, Vec::new()), |found| (found.visible, found.regions));
-        let features = |region: &Region<f64>| Features {
-            part: region.part as f32,
-            at_mean: region.at_mean as f32,
-            schlick: region.schlick as f32,
-            offsets: [region.at_corners - region.at_mean, region.at_tip - region.at_mean].map(|x| x as f32),
-            inputs: region.inputs.map(|x| x as f32),
-        };
-        Self {
-            truth: truth.map(|x| x as f32),
-            weight: weight(kind) as f32,
-            visible: visible as f32,
-            regions: regions.iter().map(features).collect(),
+    fn light(rule: NormalsRule, kind: Kind, case: &Case) -> Option<Self> {
+        Some(Self::Light(region_of(rule, &case.lit)?, case.truth, weight(kind)))
+    }
+
+    fn growth(rule: NormalsRule, path: fn(&Lit, f64) -> Lit, lit: &Lit, from: f64) -> Self {
+        let at = |i: usize| path(lit, from + (1.0 - from) * i as f64 / (GROWTH - 1) as f64);
+        Self::Growth((0..GROWTH).filter_map(|i| region_of(rule, &at(i))).collect())
+    }
+
+    fn regions(&mut self) -> &mut [Region<f64>] {
+        match self {
+            Self::Light(region, ..) => std::slice::from_mut(region),
+            Self::Growth(regions) => regions,
         }
     }
+}
+
+/// The lessons of a search, and the mean and the spread by which their inputs are normalised.
+fn lessons(options: &Options, cases: &[(usize, Case)]) -> (Vec<Lesson>, [Vec<f64>; 2]) {
+    let rule = options.rule;
+    let lights: Vec<Lesson> =
+        cases.par_iter().filter_map(|(kind, case)| Lesson::light(rule, Kind::ALL[*kind], case)).collect();
+    let mut lessons = lights;
+    let count = (options.lights as f64 * PATHS) as usize / 4;
+    for (i, kind) in [Kind::Random, Kind::Anisotropic].into_iter().enumerate() {
+        let lits = lits(kind, 100 * options.seed + 50 + i as u64, count);
+        for path in [about_middle, to_one_side] {
+            let of = |(i, lit): (usize, &Lit)| Lesson::growth(rule, path, lit, (i % 16) as f64 / 24.0);
+            lessons.extend(lits.par_iter().enumerate().map(of).collect::<Vec<_>>());
+        }
+    }
+    let regions = || cases.iter().filter_map(|(_, case)| region_of(rule, &case.lit));
+    let all: Vec<[f64; INPUTS]> = regions().map(|region| region.inputs).collect();
+    let mean = |of: &dyn Fn(&[f64; INPUTS]) -> f64| all.iter().map(of).sum::<f64>() / all.len() as f64;
+    let means: Vec<f64> = (0..INPUTS).map(|i| mean(&|inputs| inputs[i])).collect();
+    let spreads: Vec<f64> =
+        (0..INPUTS).map(|i| mean(&|inputs| (inputs[i] - means[i]).powi(2)).sqrt().max(1e-6)).collect();
+    for region in lessons.iter_mut().flat_map(Lesson::regions) {
+        for (input, (mean, spread)) in region.inputs.iter_mut().zip(means.iter().zip(&spreads)) {
+            *input = (*input - mean) / spread;
+        }
+    }
+    (lessons, [means, spreads])
 }
 
 /// A network during the search. `weights` has all rows one after another.
@@ -221,38 +268,46 @@ struct Search {
     inputs: usize,
     units: usize,
     outputs: usize,
-    weights: Vec<f32>,
-}
-
-/// The means that a network computes for a region, and whether the clamp leaves each unchanged.
-#[derive(Clone, Copy, Default)]
-struct Estimate {
-    mean: [f32; 2],
-    is_free: [bool; 2],
+    weights: Vec<f64>,
 }
 
 /// The running sums of Adam.
 struct Adam {
-    slope: Vec<f32>,
-    square: Vec<f32>,
+    slope: Vec<f64>,
+    square: Vec<f64>,
     /// The current powers of [`DECAY`]. They correct the bias of the sums.
-    decayed: [f32; 2],
+    decayed: [f64; 2],
+}
+
+/// A network's values for a region.
+#[derive(Clone)]
+struct Told {
+    units: Vec<f64>,
+    /// The slopes of the units.
+    slopes: Vec<f64>,
+    outputs: [f64; OUTPUTS],
+    /// The reflected light: for a Fresnel factor of one, and weighted by Schlick's factor.
+    light: [f64; 2],
+}
+
+fn light(region: &Region<f64>, outputs: [f64; OUTPUTS]) -> [f64; 2] {
+    region.mean(outputs).map(|mean| region.visible * mean)
 }
 
 impl Search {
     fn new(rule: NormalsRule, random: &mut Xoshiro256PlusPlus) -> Self {
         let (inputs, units, outputs) = (rule.inputs(), units(rule), outputs(rule));
-        let mut uniform = || (random.next_u64() >> 40) as f32 / (1_u64 << 24) as f32;
+        let mut uniform = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
         let mut normal = || (-2.0 * (1.0 - uniform()).ln()).sqrt() * (2.0 * PI * uniform()).cos();
         let mut weights = Vec::new();
         for _ in 0..units {
-            weights.extend((0..inputs).map(|_| normal() / (inputs as f32).sqrt()));
+            weights.extend((0..inputs).map(|_| 0.5 * normal() / (inputs as f64).sqrt()));
             weights.push(0.7 * normal());
         }
         for output in 0..outputs {
-            weights.extend((0..units).map(|_| 0.05 * normal()));
-            // The weight for corners starts at about a third.
-            weights.push(if output == 2 { 0.3 } else { 0.0 });
+            weights.extend((0..units).map(|_| 0.1 * normal()));
+            // Both blends start in their middle.
+            weights.push(if SHARES.contains(&output) { 0.5 } else { 0.0 });
         }
         Self { inputs, units, outputs, weights }
     }
@@ -262,67 +317,97 @@ impl Search {
         self.units * (self.inputs + 1) + output * (self.units + 1)
     }
 
-    fn estimate(&self, features: &Features, units: &mut [f32]) -> Estimate {
-        for (row, unit) in self.weights.chunks_exact(self.inputs + 1).zip(units.iter_mut()) {
-            let sum = row.iter().zip(&features.inputs[..self.inputs]).fold(row[self.inputs], |s, (w, x)| s + w * x);
-            *unit = sum.max(0.0);
-        }
-        let mut out = [0.0; OUTPUTS];
-        for (output, out) in out[..self.outputs].iter_mut().enumerate() {
-            let row = &self.weights[self.output(output)..][..=self.units];
-            *out = row.iter().zip(&*units).fold(row[self.units], |sum, (w, x)| sum + w * x);
-        }
-        let Features { part, at_mean, offsets, .. } = *features;
-        let size = part.abs();
-        let free = at_mean + out[2] * offsets[0] + out[3] * offsets[1] + size * out[0];
-        let mean = free.clamp(0.0, 1.0);
-        let schlick = mean * features.schlick + size * out[1];
-        Estimate { mean: [mean, schlick.clamp(0.0, mean)], is_free: [free == mean, (0.0..=mean).contains(&schlick)] }
-    }
-
-    /// Adds the gradient of a lesson's error.
-    fn learn(&self, lesson: &Lesson, units: &mut [Vec<f32>], slope: &mut [f32]) {
-        let (mut sum, mut all, mut parts) = ([0.0; 2], [0.0; 2], 1e-30_f32);
-        let mut estimates = [Estimate::default(); 16];
-        for ((features, estimate), units) in lesson.regions.iter().zip(&mut estimates).zip(units.iter_mut()) {
-            *estimate = self.estimate(features, units);
-            for i in 0..2 {
-                sum[i] += features.part * estimate.mean[i];
-                all[i] += features.part.abs() * estimate.mean[i];
-            }
-            parts += features.part.abs();
-        }
-        let least = LEAST_OF_OVERLAPPING as f32 * lesson.visible / parts;
-        let is_least = [0, 1].map(|i| least * all[i] > sum[i]);
-        let errors = [0, 1].map(|i| sum[i].max(least * all[i]) - lesson.truth[i]);
-        let by_error = |i: usize| {
-            let (error, weight) = (errors[i], if i == 0 { lesson.weight } else { SCHLICK * lesson.weight });
-            weight * (error / error.hypot(NEGLIGIBLE) + 2.0 * LARGE * error)
+    fn told(&self, region: &Region<f64>) -> Told {
+        let unit = |row: &[f64]| {
+            let h = row.iter().zip(&region.inputs[..self.inputs]).fold(row[self.inputs], |sum, (w, x)| sum + w * x);
+            let root = (h * h + 1.0).sqrt();
+            (h + root, (h + root) / root)
         };
-        let by_error = [by_error(0), by_error(1)];
-        for ((features, estimate), units) in lesson.regions.iter().zip(&estimates).zip(units.iter()) {
-            let Features { part, schlick, offsets, .. } = *features;
-            let size = part.abs();
-            let by_mean = |i: usize| by_error[i] * if is_least[i] { least * size } else { part };
-            let by_schlick = if estimate.is_free[1] { by_mean(1) } else { 0.0 };
-            let by_energy = if estimate.is_free[0] { by_mean(0) + by_schlick * schlick } else { 0.0 };
-            let by_output = [by_energy * size, by_schlick * size, by_energy * offsets[0], by_energy * offsets[1]];
-            for (output, by_output) in by_output[..self.outputs].iter().enumerate() {
-                let row = &mut slope[self.output(output)..][..=self.units];
-                row.iter_mut().zip(units).for_each(|(slope, unit)| *slope += by_output * unit);
-                row[self.units] += by_output;
-            }
-            for (unit, _) in units.iter().enumerate().filter(|(_, value)| **value > 0.0) {
-                let by_unit =
-                    (0..self.outputs).map(|k| by_output[k] * self.weights[self.output(k) + unit]).sum::<f32>();
-                let row = &mut slope[unit * (self.inputs + 1)..][..=self.inputs];
-                row.iter_mut().zip(&features.inputs[..self.inputs]).for_each(|(slope, x)| *slope += by_unit * x);
-                row[self.inputs] += by_unit;
-            }
+        let (units, slopes): (Vec<f64>, Vec<f64>) =
+            self.weights.chunks_exact(self.inputs + 1).take(self.units).map(unit).unzip();
+        let mut outputs = [0.0; OUTPUTS];
+        for (k, output) in outputs[..self.outputs].iter_mut().enumerate() {
+            let row = &self.weights[self.output(k)..][..=self.units];
+            *output = row.iter().zip(&units).fold(row[self.units], |sum, (w, x)| sum + w * x);
+        }
+        Told { units, slopes, outputs, light: light(region, outputs) }
+    }
+
+    /// Adds the gradient of an error, from its slope by both parts of the light. `leak` is the slope of a blend's share
+    /// beyond its ends, so that it can return.
+    fn learn(&self, region: &Region<f64>, told: &Told, by_light: [f64; 2], leak: f64, slope: &mut [f64]) {
+        let mut by_output = [0.0; OUTPUTS];
+        for (k, by_output) in by_output[..self.outputs].iter_mut().enumerate() {
+            let at = |x: f64| {
+                let mut outputs = told.outputs;
+                outputs[k] = x;
+                light(region, outputs)
+            };
+            let x = told.outputs[k];
+            let is_beyond = SHARES.contains(&k) && !(0.0..=1.0).contains(&x);
+            let ([low, high], scale) =
+                if is_beyond { ([0.0, 1.0].map(at), leak) } else { ([x - TINY, x + TINY].map(at), 0.5 / TINY) };
+            *by_output = scale * (by_light[0] * (high[0] - low[0]) + by_light[1] * (high[1] - low[1]));
+            let row = &mut slope[self.output(k)..][..=self.units];
+            row.iter_mut().zip(&told.units).for_each(|(slope, unit)| *slope += *by_output * unit);
+            row[self.units] += *by_output;
+        }
+        for unit in 0..self.units {
+            let sum: f64 = (0..self.outputs).map(|k| by_output[k] * self.weights[self.output(k) + unit]).sum();
+            let by_unit = sum * told.slopes[unit];
+            let row = &mut slope[unit * (self.inputs + 1)..][..=self.inputs];
+            row.iter_mut().zip(&region.inputs[..self.inputs]).for_each(|(slope, x)| *slope += by_unit * x);
+            row[self.inputs] += by_unit;
         }
     }
 
-    fn step(&mut self, adam: &mut Adam, slope: &[f32], length: f32) {
+    /// Adds the gradient of a lesson's error, and returns the error.
+    fn study(&self, lesson: &Lesson, leak: f64, slope: &mut [f64]) -> f64 {
+        let mut sum = 0.0;
+        match lesson {
+            Lesson::Light(region, truth, weight) => {
+                let told = self.told(region);
+                let mut by_light = [0.0; 2];
+                for (i, by_light) in by_light.iter_mut().enumerate() {
+                    let error = told.light[i] - truth[i];
+                    let relative = 1.0 + RELATIVE / (truth[i] + DARK);
+                    let part = if i == 0 { *weight } else { SCHLICK * weight };
+                    let root = error.hypot(NEGLIGIBLE);
+                    sum += part * (relative * root + LARGE * error * error);
+                    *by_light = part * (relative * error / root + 2.0 * LARGE * error);
+                }
+                self.learn(region, &told, by_light, leak, slope);
+            }
+            Lesson::Growth(regions) => {
+                let told: Vec<Told> = regions.iter().map(|region| self.told(region)).collect();
+                let mut by_light = vec![[0.0; 2]; told.len()];
+                for (of, fall_weight) in [[1.0, 0.0], [PLASTIC, 1.0 - PLASTIC]].into_iter().zip(FALL) {
+                    let value = |told: &Told| of[0] * told.light[0] + of[1] * told.light[1];
+                    let mut most = 0;
+                    for i in 0..told.len() {
+                        let fall = value(&told[most]) - value(&told[i]);
+                        if fall <= 0.0 {
+                            most = i;
+                            continue;
+                        }
+                        sum += 0.5 * fall_weight * fall * fall;
+                        for part in 0..2 {
+                            by_light[i][part] -= fall_weight * fall * of[part];
+                            by_light[most][part] += fall_weight * fall * of[part];
+                        }
+                    }
+                }
+                for ((region, told), by_light) in regions.iter().zip(&told).zip(by_light) {
+                    if by_light != [0.0; 2] {
+                        self.learn(region, told, by_light, leak, slope);
+                    }
+                }
+            }
+        }
+        sum
+    }
+
+    fn step(&mut self, adam: &mut Adam, slope: &[f64], length: f64) {
         for (decayed, decay) in adam.decayed.iter_mut().zip(DECAY) {
             *decayed *= decay;
         }
@@ -336,56 +421,47 @@ impl Search {
 
     /// The numbers for inputs that are not normalised. In the search, inputs had `mean` subtracted and were divided by
     /// `spread`.
-    fn numbers(&self, mean: &[f32], spread: &[f32]) -> Numbers {
-        let unit = |row: &[f32]| {
-            let weights: Vec<f64> =
-                (0..self.inputs).map(|i| rounded(f64::from(row[i]) / f64::from(spread[i]))).collect();
-            let moved = weights.iter().zip(mean).map(|(w, mean)| w * f64::from(*mean)).sum::<f64>();
-            [weights, vec![rounded(f64::from(row[self.inputs]) - moved)]].concat()
+    fn numbers(&self, [mean, spread]: &[Vec<f64>; 2]) -> Numbers {
+        let unit = |row: &[f64]| {
+            let weights: Vec<f64> = (0..self.inputs).map(|i| rounded(row[i] / spread[i])).collect();
+            let moved = weights.iter().zip(mean).map(|(w, mean)| w * mean).sum::<f64>();
+            [weights, vec![rounded(row[self.inputs] - moved)]].concat()
         };
         let units = self.weights.chunks_exact(self.inputs + 1).take(self.units).map(unit).collect();
-        let output =
-            |k: usize| self.weights[self.output(k)..][..=self.units].iter().map(|x| rounded(f64::from(*x))).collect();
+        let output = |k: usize| self.weights[self.output(k)..][..=self.units].iter().map(|x| rounded(*x)).collect();
         Numbers { units, outputs: (0..self.outputs).map(output).collect() }
     }
 }
 
-/// Mean and spread of each input.
-fn spreads(lessons: &[Lesson]) -> [Vec<f32>; 2] {
-    let count = lessons.iter().map(|lesson| lesson.regions.len()).sum::<usize>() as f64;
-    let mean = |f: &dyn Fn(&Features) -> f64| lessons.iter().flat_map(|l| &l.regions).map(f).sum::<f64>() / count;
-    let means: Vec<f64> = (0..INPUTS).map(|i| mean(&|region| f64::from(region.inputs[i]))).collect();
-    let spread = |i: usize| mean(&|region| (f64::from(region.inputs[i]) - means[i]).powi(2)).sqrt().max(1e-6) as f32;
-    [means.iter().map(|x| *x as f32).collect(), (0..INPUTS).map(spread).collect()]
-}
-
-fn trained(options: &Options, start: u64, lessons: &[Lesson]) -> Search {
+/// Searches from a start. Returns the network and its mean error over the lessons.
+fn trained(options: &Options, start: u64, lessons: &[Lesson]) -> (f64, Search) {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(1000 * options.seed + start);
     let mut search = Search::new(options.rule, &mut random);
     let count = search.weights.len();
     let mut adam = Adam { slope: vec![0.0; count], square: vec![0.0; count], decayed: [1.0; 2] };
-    let mut units = vec![vec![0.0; search.units]; 16];
     let mut order: Vec<usize> = (0..lessons.len()).collect();
     let steps = options.rounds * lessons.len().div_ceil(BATCH);
     let mut step = 0;
-    for _ in 0..options.rounds {
+    for round in 0..options.rounds {
         for i in (1..order.len()).rev() {
             order.swap(i, (random.next_u64() % (i as u64 + 1)) as usize);
         }
+        let leak = if 2 * round < options.rounds { LEAK } else { 0.0 };
         for batch in order.chunks(BATCH) {
             let mut slope = vec![0.0; count];
             for i in batch {
-                search.learn(&lessons[*i], &mut units, &mut slope);
+                search.study(&lessons[*i], leak, &mut slope);
             }
             for slope in &mut slope {
-                *slope /= batch.len() as f32;
+                *slope /= batch.len() as f64;
             }
-            let length = STEP * (0.5 + 0.5 * (PI * step as f32 / steps as f32).cos()).powf(1.5) + 1e-5;
+            let length = STEP * (0.5 + 0.5 * (PI * step as f64 / steps as f64).cos()).powf(1.5) + 1e-5;
             search.step(&mut adam, &slope, length);
             step += 1;
         }
     }
-    search
+    let error: f64 = lessons.iter().map(|lesson| search.study(lesson, 0.0, &mut vec![0.0; count])).sum();
+    (error / lessons.len() as f64, search)
 }
 
 /// The mean absolute errors of both parts over the cases, weighted as in the search.
@@ -394,10 +470,18 @@ pub fn objective(rule: NormalsRule, numbers: &Numbers, cases: &[(usize, Case)]) 
     let error = |(kind, case): &(usize, Case)| {
         let found = numbers.reflected(rule, &case.lit);
         let weight = weight(Kind::ALL[*kind]);
-        weight * ((found[0] - case.truth[0]).abs() + f64::from(SCHLICK) * (found[1] - case.truth[1]).abs())
+        weight * ((found[0] - case.truth[0]).abs() + SCHLICK * (found[1] - case.truth[1]).abs())
     };
     let errors: Vec<f64> = cases.par_iter().map(error).collect();
     errors.iter().sum::<f64>() / cases.len() as f64
+}
+
+/// p95 of the relative error of the strips that reflect more than .001.
+fn strips(rule: NormalsRule, numbers: &Numbers, cases: &[(usize, Case)]) -> f64 {
+    let bright = cases.iter().filter(|(kind, case)| Kind::ALL[*kind] == Kind::Strip && case.truth[0] > 0.001);
+    let relative =
+        |(_, case): &(usize, Case)| (numbers.reflected(rule, &case.lit)[0] - case.truth[0]).abs() / case.truth[0];
+    Spread::of(bright.map(relative).collect()).p95
 }
 
 /// The found numbers, with the objectives of the current and the found numbers.
@@ -416,20 +500,16 @@ pub struct Found {
 pub fn find(options: &Options) -> Found {
     let rule = options.rule;
     let [training, held_out] = [options.seed, options.seed + 1].map(|seed| draw(seed, options.lights));
-    let mut lessons: Vec<Lesson> =
-        training.par_iter().map(|(kind, case)| Lesson::of(rule, Kind::ALL[*kind], case)).collect();
-    let [mean, spread] = spreads(&lessons);
-    for x in lessons.iter_mut().flat_map(|lesson| &mut lesson.regions) {
-        for (i, input) in x.inputs.iter_mut().enumerate() {
-            *input = (*input - mean[i]) / spread[i];
-        }
-    }
+    let (lessons, normal) = lessons(options, &training);
     let starts: Vec<u64> = (0..options.starts).collect();
-    let tried: Vec<Numbers> =
-        starts.into_par_iter().map(|start| trained(options, start, &lessons).numbers(&mean, &spread)).collect();
-    let scored = tried.into_iter().map(|numbers| (objective(rule, &numbers, &training), numbers));
+    let tried = starts.into_par_iter().map(|start| {
+        let (error, search) = trained(options, start, &lessons);
+        let numbers = search.numbers(&normal);
+        (error * strips(rule, &numbers, &training), numbers)
+    });
+    let tried: Vec<(f64, Numbers)> = tried.collect();
     let current = Numbers::from(rule.network());
-    let best = scored.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(|| current.clone(), |(_, numbers)| numbers);
+    let best = tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(|| current.clone(), |(_, best)| best);
     let [training, held_out] =
         [training, held_out].map(|cases| [&current, &best].map(|numbers| objective(rule, numbers, &cases)));
     Found { numbers: best, training, held_out }

@@ -1,8 +1,6 @@
 //! Measures model `normals` along paths: lights that grow, and lights and views that move smoothly. Mean errors hide
 //! these faults, but eyes see them.
 
-use std::fmt::Write as _;
-
 use ltcforge::{
     fit::Sides,
     light::{
@@ -53,7 +51,8 @@ fn vertices(lit: &Lit, of: impl Fn(&[DVec3; 4]) -> [DVec3; 4]) -> Lit {
 }
 
 /// Grows from a twentieth of its size to four times its size, about its middle.
-fn about_middle(lit: &Lit, t: f64) -> Lit {
+#[must_use]
+pub fn about_middle(lit: &Lit, t: f64) -> Lit {
     vertices(lit, |v| {
         let centre = 0.5 * (v[0] + v[2]);
         v.map(|corner| centre + (corner - centre) * 0.05 * 80_f64.powf(t))
@@ -61,7 +60,8 @@ fn about_middle(lit: &Lit, t: f64) -> Lit {
 }
 
 /// Grows from a twentieth of its width to four times its width, while one edge stays.
-fn to_one_side(lit: &Lit, t: f64) -> Lit {
+#[must_use]
+pub fn to_one_side(lit: &Lit, t: f64) -> Lit {
     vertices(lit, |v| {
         let size = 0.05 * 80_f64.powf(t);
         [v[0], v[0] + (v[1] - v[0]) * size, v[3] + (v[2] - v[3]) * size, v[3]]
@@ -181,23 +181,27 @@ pub fn visible_alone(lit: &Lit) -> [f64; 2] {
 /// A Markdown table of the faults of V alone and of each rule.
 #[must_use]
 pub fn table(seed: u64, scale: f64) -> String {
-    let mut out = "| | false steps, F0 1, .04 | strips: p95 | lose a tenth | to one side: p99, above .005 | about the \
-                   middle: p99, max | plastic |\n|---|---|---|---|---|---|---|\n"
-        .to_owned();
+    let rules = NormalsRule::ALL.iter().map(|rule| row(rule.name(), measure(seed, scale, by_rule(*rule))));
+    let alone = row("V alone", measure(seed, scale, visible_alone));
+    HEAD.to_owned() + &rules.collect::<String>() + &alone
+}
+
+/// The head of a table of faults.
+pub const HEAD: &str = "| | false steps, F0 1, .04 | strips: p95 | lose a tenth | to one side: p99, above .005 | about \
+                        the middle: p99, max | plastic |\n|---|---|---|---|---|---|---|\n";
+
+/// A row of a table of faults.
+#[must_use]
+pub fn row(name: &str, faults: Faults) -> String {
+    let Faults { false_steps, strips, lost, to_one_side, about_middle } = faults;
     let percent = |x: f64| format!("{:.1} %", 100.0 * x);
-    let rules = NormalsRule::ALL.iter().map(|rule| (rule.name(), measure(seed, scale, by_rule(*rule))));
-    for (name, faults) in rules.chain([("V alone", measure(seed, scale, visible_alone))]) {
-        let Faults { false_steps, strips, lost, to_one_side, about_middle } = faults;
-        let [metal, plastic] = about_middle.map(|[p99, max]| format!("{p99:.4}, {max:.4}"));
-        let _ = writeln!(
-            out,
-            "| {name} | {}, {} | {strips:.3} | {} | {:.4}, {} | {metal} | {plastic} |",
-            percent(false_steps[0]),
-            percent(false_steps[1]),
-            percent(lost),
-            to_one_side[0],
-            percent(to_one_side[1]),
-        );
-    }
-    out
+    let [metal, plastic] = about_middle.map(|[p99, max]| format!("{p99:.4}, {max:.4}"));
+    format!(
+        "| {name} | {}, {} | {strips:.3} | {} | {:.4}, {} | {metal} | {plastic} |\n",
+        percent(false_steps[0]),
+        percent(false_steps[1]),
+        percent(lost),
+        to_one_side[0],
+        percent(to_one_side[1]),
+    )
 }

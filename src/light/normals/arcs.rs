@@ -4,22 +4,22 @@ use super::{outline::Corner, view::View};
 use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled};
 
 /// The angle divided by its sine, as a function of `h = 1 + cosine`, up to an angle of pi:
-/// `psi = (pi / sqrt 2 + a h + b h^2) / sqrt h + c + d h + e h^2`. The first term is the limit near pi.
+/// `psi = (pi / sqrt 2 + a h + b h^2) / sqrt h + c + d h`. The first term is the limit near pi.
 /// `cargo run -p ltcforge-studies -- polynomials` finds the numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct AnglePerSine {
     /// a and b.
     pub(super) over_root: [f64; 2],
-    /// c, d and e.
-    pub(super) plain: [f64; 3],
+    /// c and d.
+    pub(super) plain: [f64; 2],
 }
 
 /// A relative error of at most 8e-4.
 pub(super) const ROUGH: AnglePerSine =
-    AnglePerSine { over_root: [0.415_202_7, 0.0], plain: [-0.972_074_3, -0.093_373_5, 0.0] };
-/// A relative error of at most 2e-5.
+    AnglePerSine { over_root: [0.415_202_7, 0.0], plain: [-0.972_074_3, -0.093_373_5] };
+/// A relative error of at most 1.3e-4.
 pub(super) const CLOSE: AnglePerSine =
-    AnglePerSine { over_root: [0.539_704_8, 0.100_045_8], plain: [-0.998_563_7, -0.274_478_2, -0.017_381_5] };
+    AnglePerSine { over_root: [0.505_486_3, 0.039_751_6], plain: [-0.993_498_8, -0.202_236_1] };
 
 /// Keeps the quotient finite for an angle of pi.
 const STRAIGHT: f64 = 2e-7;
@@ -29,9 +29,8 @@ impl AnglePerSine {
     pub(super) fn between<T: Scalar>(&self, a: Triple<T>, b: Triple<T>) -> T {
         let h = dot(a, b) + T::of(1.0 + STRAIGHT);
         let [a, b] = self.over_root.map(T::of);
-        let [c, d, e] = self.plain.map(T::of);
-        (T::of(std::f64::consts::PI * std::f64::consts::FRAC_1_SQRT_2) + h * (a + h * b)) / h.sqrt()
-            + (c + h * (d + h * e))
+        let [c, d] = self.plain.map(T::of);
+        (T::of(std::f64::consts::PI * std::f64::consts::FRAC_1_SQRT_2) + h * (a + h * b)) / h.sqrt() + (c + h * d)
     }
 }
 
@@ -48,7 +47,18 @@ const NEAR2: f64 = 1e-8;
 /// in f64 and .005 in f32.
 const STRAIGHT_EDGE: f64 = 1e-12;
 
-/// The integral of `c x dc` along the image of the edge between two corners, by four arcs of great circles.
+/// The image of an edge, by four arcs of great circles.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Arcs<T> {
+    /// The integral of `c x dc` along the arcs.
+    pub(super) flux: Triple<T>,
+    /// The point between both halves, equally far from both ends.
+    pub(super) middle: Triple<T>,
+    /// The points between the arcs of each half, slightly outside of the image.
+    pub(super) quarters: [Triple<T>; 2],
+}
+
+/// The image of the edge between two corners.
 ///
 /// The image is a conic with the control points `a`, `b` and `c`; its ends have unit length (`docs/normals.md`, "The
 /// integral of an edge"). The point n, equally far from both ends, splits it into halves. Two arcs approximate each
@@ -59,7 +69,7 @@ pub(super) fn four_arcs<T: Scalar>(
     view: &View<T>,
     from: &Corner<T>,
     to: &Corner<T>,
-) -> Triple<T> {
+) -> Arcs<T> {
     let (a, c) = (from.c, to.c);
     let b = control_point(view, from, to);
     // The curve is a + 2 t b + t^2 c. Its distances to both ends are equal where (a - c) . (a + 2 t b + t^2 c) = 0.
@@ -77,7 +87,8 @@ pub(super) fn four_arcs<T: Scalar>(
         scaled(q, T::ONE / dot(q, q).max(T::of(1e-30)).sqrt())
     };
     let (q, r) = (half(a, left), half(c, right));
-    plus(two_arcs(psi, a, q, n), two_arcs(psi, n, r, c))
+    let flux = plus(two_arcs(psi, a, q, n), two_arcs(psi, n, r, c));
+    Arcs { flux, middle: n, quarters: [q, r] }
 }
 
 /// The control point b of the image of the edge between two corners, scaled such that the ends have unit length:

@@ -43,6 +43,7 @@ pub use self::{
 };
 use self::{
     arcs::{AnglePerSine, CLOSE, four_arcs},
+    mean::Outlined,
     outline::Outline,
 };
 pub(super) use exact::cos_of_third;
@@ -56,12 +57,12 @@ use ltcforge_fit::{
 named_list! {
     /// The trade-off between cost and accuracy.
     pub enum NormalsRule {
-        /// Four arcs per edge. A network with twelve inputs and twelve units gives the mean weight of the whole light.
+        /// Four arcs per edge. The weight is sampled once per edge. The network has nine inputs and four units.
         Balanced = "balanced",
-        /// Four arcs per edge, with a rougher formula for angles. The network has eight inputs and three units.
+        /// Four arcs per edge, with a rougher formula for angles. The weight is not sampled at the edges. The network
+        /// has eight inputs and three units.
         Fast = "fast",
-        /// Four arcs per edge. A network with twelve inputs and eight units gives the mean weight of each triangle
-        /// between the mean normal and an edge.
+        /// Four arcs per edge. The weight is sampled three times per edge. The network has twelve inputs and 24 units.
         Fine = "fine",
         /// Like [`NormalsRule::Fine`], with the exact integrals of the edges. Shaders do not have this rule.
         Exact = "exact",
@@ -85,60 +86,42 @@ impl NormalsRule {
     /// The number of a region's values that the network uses as inputs.
     #[must_use]
     pub fn inputs(self) -> usize {
-        if self == Self::Fast { 8 } else { INPUTS }
+        match self {
+            Self::Fast => 8,
+            Self::Balanced => 9,
+            Self::Fine | Self::Exact => INPUTS,
+        }
+    }
+
+    /// The number of points at which an edge's weight is sampled.
+    fn samples(self) -> usize {
+        match self {
+            Self::Fast => 0,
+            Self::Balanced => 1,
+            Self::Fine | Self::Exact => 3,
+        }
     }
 
     fn angle_per_sine(self) -> &'static AnglePerSine {
         if self == Self::Fast { &arcs::ROUGH } else { &arcs::CLOSE }
     }
+}
 
-    /// True if the mean is taken over triangles.
-    fn has_triangles(self) -> bool {
-        matches!(self, Self::Fine | Self::Exact)
+impl<T: Scalar> Region<T> {
+    /// The reflected light, from the outputs of a rule's network: for a Fresnel factor of one, and weighted by Schlick's
+    /// factor.
+    #[must_use]
+    pub fn reflected(&self, network: &Network<'_>) -> [T; 2] {
+        self.mean(network.at(&self.inputs)).map(|mean| self.visible * mean)
     }
 }
 
-/// The visible normals that reflect a light: one region, or its triangles.
-#[derive(Debug, Clone)]
-pub struct Regions<T> {
-    /// The part V of the visible normals that reflect the light.
-    pub visible: T,
-    /// The integral of `c x dc` around the image. It points along the mean normal of the region.
-    pub flux: Triple<T>,
-    /// The regions.
-    pub regions: Vec<Region<T>>,
-}
-
-/// Overlapping triangles cancel in the signed sum. The light is at least this part of the mean over all triangles,
-/// weighted by their size.
-pub const LEAST_OF_OVERLAPPING: f64 = 0.5;
-
-impl<T: Scalar> Regions<T> {
-    /// The reflected light, from the outputs of a network for each region.
+impl Region<f64> {
+    /// The reflected light weighted by F82's edge weight. It is evaluated at the angle of incidence at which Schlick's
+    /// factor is the mean of the region. So it needs no extra network.
     #[must_use]
-    pub fn reflected(&self, outputs: impl Fn(&Region<T>) -> [T; OUTPUTS]) -> [T; 2] {
-        let (mut sum, mut all, mut parts) = ([T::ZERO; 2], [T::ZERO; 2], T::ZERO);
-        for region in &self.regions {
-            let mean = region.mean(outputs(region));
-            let size = region.part.abs();
-            sum = [0, 1].map(|i| sum[i] + region.part * mean[i]);
-            all = [0, 1].map(|i| all[i] + size * mean[i]);
-            parts = parts + size;
-        }
-        let least = T::of(LEAST_OF_OVERLAPPING) * self.visible / parts.max(T::of(1e-30));
-        let [energy, fresnel] = [0, 1].map(|i| sum[i].max(least * all[i]));
-        let energy = energy.min(self.visible);
-        [energy, fresnel.min(energy)]
-    }
-}
-
-impl Regions<f64> {
-    /// The reflected light weighted by F82's edge weight. In each region, the edge weight is evaluated at the angle of
-    /// incidence at which Schlick's factor is the mean of the region. So it needs no extra network.
-    #[must_use]
-    pub fn edge(&self, outputs: impl Fn(&Region<f64>) -> [f64; OUTPUTS]) -> f64 {
-        let of_region = |region: &Region<f64>| region.part * edge_of_parts(region.mean(outputs(region)));
-        self.regions.iter().map(of_region).sum::<f64>().clamp(0.0, self.visible)
+    pub fn edge(&self, network: &Network<'_>) -> f64 {
+        (self.visible * edge_of_parts(self.mean(network.at(&self.inputs)))).clamp(0.0, self.visible)
     }
 }
 
@@ -156,47 +139,49 @@ pub fn reflected<T: Scalar>(
     sides: Sides,
     rule: NormalsRule,
 ) -> [T; 2] {
-    let network = rule.network();
-    regions(alpha, wo, vertices, sides, rule)
-        .map_or([T::ZERO; 2], |regions| regions.reflected(|region| network.at(&region.inputs[..rule.inputs()])))
+    region(alpha, wo, vertices, sides, rule).map_or([T::ZERO; 2], |region| region.reflected(&rule.network()))
 }
 
-/// The regions over which a rule takes its mean; `None` if nothing is reflected.
+/// The visible normals that reflect a light, by a rule; `None` if nothing is reflected.
 #[must_use]
-pub fn regions<T: Scalar>(
+pub fn region<T: Scalar>(
     alpha: [T; 2],
     wo: Triple<T>,
     vertices: &[Triple<T>],
     sides: Sides,
     rule: NormalsRule,
-) -> Option<Regions<T>> {
+) -> Option<Region<T>> {
     let view = View::new(alpha, wo);
     let outline = Outline::new(&view, vertices);
     if outline.corners.len() < 3 {
         return None;
     }
     let psi = rule.angle_per_sine();
-    let edges: Vec<Triple<T>> = if rule == NormalsRule::Exact {
-        exact::edges(&view, &outline.corners)
-    } else {
-        outline.edges().map(|(from, to)| four_arcs(psi, BULGE, &view, from, to)).collect()
-    };
-    let flux = edges.iter().fold([T::ZERO; 3], |sum, edge| plus(sum, *edge));
+    let mut flux = [T::ZERO; 3];
+    let mut outlined = Outlined::NONE;
+    for (i, (from, to)) in outline.edges().enumerate() {
+        let arcs = four_arcs(psi, BULGE, &view, from, to);
+        flux = plus(flux, arcs.flux);
+        let [q, r] = arcs.quarters;
+        let samples = [arcs.middle, q, r];
+        let count = if outline.is_on_horizon(i) { 0 } else { rule.samples() };
+        outlined.add(&view, from.c, arcs.middle, &samples[..count]);
+    }
+    if rule == NormalsRule::Exact {
+        flux = exact::flux(&view, &outline.corners);
+    }
     let along_view = dot(flux, view.stretched);
     let side = if along_view < T::ZERO { -T::ONE } else { T::ONE };
     if sides == Sides::One && along_view < T::ZERO {
         return None;
     }
-    let to_part = side * to_visible(&view);
-    let visible = (along_view * to_part).min(T::ONE);
+    let visible = (along_view * side * to_visible(&view)).min(T::ONE);
     let flux = scaled(flux, side);
-    let regions = if rule.has_triangles() {
-        let tip = scaled(flux, T::ONE / dot(flux, flux).max(T::of(1e-30)).sqrt());
-        mean::triangles(&view, &outline, psi, &edges, tip, to_part)
+    Some(if rule == NormalsRule::Fast {
+        mean::by_corners(&view, vertices, flux, visible)
     } else {
-        vec![mean::whole(&view, vertices, flux, visible)]
-    };
-    Some(Regions { visible, flux, regions })
+        mean::by_outline(&view, &outlined, flux, visible, rule)
+    })
 }
 
 /// The part V of the visible normals that reflect a polygon's light, from the exact integrals of its edges. It is
@@ -218,7 +203,7 @@ pub fn visible_by_arcs<T: Scalar>(alpha: [T; 2], wo: Triple<T>, vertices: &[Trip
     let view = View::new(alpha, wo);
     let outline = Outline::new(&view, vertices);
     let edges = outline.edges().map(|(from, to)| four_arcs(&CLOSE, bulge, &view, from, to));
-    let flux = edges.fold([T::ZERO; 3], |sum, edge| plus(sum, edge));
+    let flux = edges.fold([T::ZERO; 3], |sum, edge| plus(sum, edge.flux));
     if outline.corners.len() < 3 { T::ZERO } else { dot(flux, view.stretched) * to_visible(&view) }
 }
 

@@ -1,6 +1,6 @@
 //! The closed form as a model of light.
 
-use super::{NormalsRule, reflected, regions};
+use super::{NormalsRule, reflected, region};
 use crate::{
     AreaLight, LightError, ReflectedLight,
     rules::{Formula, LitPoint, ModelOfLight, lit},
@@ -30,9 +30,7 @@ impl Formula for NormalsModel {
     }
 
     fn edge(&self, lit: &LitPoint<'_, f64>, rule: NormalsRule) -> f64 {
-        let network = rule.network();
-        regions(lit.alpha, lit.wo, lit.vertices, lit.sides, rule)
-            .map_or(0.0, |regions| regions.edge(|region| network.at(&region.inputs[..rule.inputs()])))
+        region(lit.alpha, lit.wo, lit.vertices, lit.sides, rule).map_or(0.0, |region| region.edge(&rule.network()))
     }
 
     fn reflected_f32(&self, lit: &LitPoint<'_, f32>, rule: NormalsRule) -> [f32; 2] {

@@ -35,16 +35,24 @@ pub(super) struct Outline<T> {
     /// The corners in the polygon's order; empty if nothing is above the surface. If the outline crosses the surface,
     /// the first and the last corner are the crossings.
     pub(super) corners: Vec<Corner<T>>,
+    /// True if the last edge lies on the horizon.
+    is_cut: bool,
 }
 
 impl<T: Scalar> Outline<T> {
     pub(super) fn new(view: &View<T>, vertices: &[Triple<T>]) -> Self {
-        Self { corners: above(vertices).into_iter().map(|v| Corner::new(view, v)).collect() }
+        let is_cut = vertices.iter().any(|v| v[2] <= T::ZERO);
+        Self { corners: above(vertices).into_iter().map(|v| Corner::new(view, v)).collect(), is_cut }
     }
 
     /// The two corners of each edge.
     pub(super) fn edges(&self) -> impl Iterator<Item = (&Corner<T>, &Corner<T>)> {
         self.corners.iter().zip(self.corners.iter().cycle().skip(1))
+    }
+
+    /// True if the edge of this index lies on the horizon.
+    pub(super) fn is_on_horizon(&self, edge: usize) -> bool {
+        self.is_cut && edge + 1 == self.corners.len()
     }
 }
 

@@ -99,7 +99,7 @@ fn only(energy: f64) -> ReflectedLight {
     ReflectedLight { energy, fresnel: 0.0 }
 }
 
-/// The error for a metal is at most three and a half times the error for a perfect mirror.
+/// The error for a metal is at most four and a half times the error for a perfect mirror.
 #[test]
 fn metals_are_lit_as_well_as_mirrors() {
     let ggx = BrdfModel::from(BrdfKind::Ggx);
@@ -121,7 +121,7 @@ fn metals_are_lit_as_well_as_mirrors() {
             let [of_metal, of_parts, of_mirror] = errors(lighting, &lit, metal);
             let [f0, tint] = metal;
             println!("{name}, F0 {f0} tint {tint}: {of_metal:.5}, by parts {of_parts:.5}, of energy {of_mirror:.5}");
-            assert!(of_metal < 3.5 * of_mirror && of_metal > 1e-5, "{name} {metal:?}: {of_metal} {of_mirror}");
+            assert!(of_metal < 4.5 * of_mirror && of_metal > 1e-5, "{name} {metal:?}: {of_metal} {of_mirror}");
         }
     }
 }

@@ -35,15 +35,14 @@ pub fn normals_readings<T: Scalar>(
     sides: Sides,
     (rule, number): (NormalsRule, Readings),
 ) -> ([T; 2], Vec<Reading<T>>) {
-    let Some(regions) = normals::regions(alpha, wo, corners, sides, rule) else {
+    let Some(region) = normals::region(alpha, wo, corners, sides, rule) else {
         return ([T::ZERO; 2], Vec::new());
     };
-    let network = rule.network();
-    let reflected = regions.reflected(|region| network.at(&region.inputs[..rule.inputs()]));
+    let reflected = region.reflected(&rule.network());
     let view = View::new(alpha, wo);
     let rectangle = Rectangle::new(corners);
     let lobe = GgxLobe::new(&view, &rectangle);
-    let bump = lobe.bump(rectangle.met(view.reflected(regions.flux)));
+    let bump = lobe.bump(rectangle.met(view.reflected(region.flux)));
     (reflected, readings(&lobe, &rectangle, &bump, number))
 }
 

@@ -45,12 +45,10 @@ fn every_text_states_licence_revision_and_the_digest_of_its_code() {
             ["MIT OR Apache-2.0", "(MIT OR Apache-2.0) AND CC0-1.0"].map(Some).contains(&is_licence),
             "{name}: {licence}"
         );
-        let wanted = format!(
-            "// ltcforge {}, revision 1, sha256 of the text below: {}",
-            env!("CARGO_PKG_VERSION"),
-            digest(below)
-        );
-        assert_eq!(lines.next(), Some(wanted.as_str()), "{name}");
+        let [program, digest] = [format!("// ltcforge {}, revision ", env!("CARGO_PKG_VERSION")), digest(below)];
+        let second =
+            lines.next().and_then(|line| line.strip_prefix(&program)?.split_once(", sha256 of the text below: "));
+        assert_eq!(second.map(|(revision, of_text)| (revision.len(), of_text)), Some((1, digest.as_str())), "{name}");
         assert!(lines.all(|line| line.starts_with("//")) && !text.contains("{digest}"), "{name}");
     }
 }
@@ -68,9 +66,9 @@ fn spirv_holds_the_digest_of_its_source() {
 /// Digests of each model's check. If a digest changes, the revision must be raised.
 const VALUES: [(&str, u32, &str); 7] = [
     ("ltc", 1, "18aa316e979f73bf"),
-    ("normals fast", 1, "b8ca18c710360dd3"),
-    ("normals balanced", 1, "fced0de5d0cb43dc"),
-    ("normals fine", 1, "02934059c0b9e42b"),
+    ("normals fast", 2, "13d290d8816a3504"),
+    ("normals balanced", 2, "0feea9ab5ed5be56"),
+    ("normals fine", 2, "2d17605c799da7eb"),
     ("ltc-formula", 1, "4823a6abc9e93467"),
     ("sg and asg", 1, "8b2ab91cc3f04ce4"),
     ("sg and asg by a table", 1, "a095c0d058a72397"),

@@ -9,12 +9,7 @@ use self::edge::curved_part;
 use super::{outline::Corner, view::View};
 use ltcforge_fit::math::{Scalar, Triple, cross, minus, plus};
 
-/// The integral of `c x dc` along each edge's image.
-pub(super) fn edges<T: Scalar>(view: &View<T>, corners: &[Corner<T>]) -> Vec<Triple<T>> {
-    beyond_chords(view, corners).map(|(from, to, beyond)| plus(beyond, cross(from.c, minus(to.c, from.c)))).collect()
-}
-
-/// The sum of the integrals. The part under the chords is summed around the first corner, where it is small for a small
+/// The integral of `c x dc` along the images of all edges. The part under the chords is summed around the first corner, where it is small for a small
 /// light.
 pub(super) fn flux<T: Scalar>(view: &View<T>, corners: &[Corner<T>]) -> Triple<T> {
     let origin = corners[0].c;
