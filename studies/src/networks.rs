@@ -441,7 +441,7 @@ fn trained(options: &Options, start: u64, lessons: &[Lesson]) -> (f64, Search) {
     let mut adam = Adam { slope: vec![0.0; count], square: vec![0.0; count], decayed: [1.0; 2] };
     let mut order: Vec<usize> = (0..lessons.len()).collect();
     let steps = options.rounds * lessons.len().div_ceil(BATCH);
-    let mut step = 0;
+    let mut step = 0_usize;
     for round in 0..options.rounds {
         for i in (1..order.len()).rev() {
             order.swap(i, (random.next_u64() % (i as u64 + 1)) as usize);

@@ -28,7 +28,7 @@ mod mean;
 mod model;
 mod network;
 #[rustfmt::skip]
-#[allow(clippy::unreadable_literal, reason = "a program prints them, one row per line")]
+#[allow(clippy::unreadable_literal, clippy::approx_constant, reason = "a program prints them, one row per line")]
 mod numbers;
 mod outline;
 pub(crate) mod view;

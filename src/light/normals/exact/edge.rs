@@ -1,4 +1,19 @@
 //! The integral of `c x dc` along the image of a light's edge, in closed form.
+//!
+//! Proof. In the frame of K's eigenvectors the cone is `l1 x^2 = p y^2 + q z^2`, with `p = -l2` and `q = -l3`. With
+//! `Y = sqrt(l1 / p)`, `Z = sqrt(l1 / q)` and the sign `sx` of x, the arc is `P(t) = (sx, Y cos t, Z sin t)` up to scale.
+//! Then `r x dr = P x P' / |P|^2 dt`, with `P x P' = (Y Z, -sx Z cos t, -sx Y sin t)`. Let `D = sqrt(l1 - l2)`,
+//! `E = sqrt(l1 - l3)` and `G = sqrt(l2 - l3)`. The integral is elementary; brackets are differences between the ends:
+//!
+//! ```text
+//! along v1     l1 / (D E) [angle of (D y, E z)]
+//! along v2     l2 / (D G) [artanh(G z / (D x))]
+//! along v3    -l3 / (E G) [arctan(G y / (E x))]
+//! ```
+//!
+//! The addition theorems combine each bracket into one angle. With `N = a x c`, its sine is `D E N1 / l1`, `D G N2 / p`
+//! (hyperbolic) or `E G N3 / q`. Unit vectors of the cone satisfy `D^2 y^2 + E^2 z^2 = l1`, `D^2 x^2 - G^2 z^2 = p` and
+//! `E^2 x^2 + G^2 y^2 = q`. So the cosine is `m_i`, and the components of the integral are `psi(m_i) N_i`.
 
 use super::cone::EdgeCone;
 use crate::normals::outline::Corner;
