@@ -7,6 +7,7 @@
 //! Invariant: `fit` uses no clock, file, environment variable, JSON value or thread count. Equal recipes give equal
 //! bytes.
 
+pub mod albedo;
 pub mod brdf;
 pub mod lobe;
 pub mod math;

@@ -1,0 +1,95 @@
+//! Gauss-Legendre rules, and the directional albedo of any isotropic BRDF.
+
+use std::{
+    f64::consts::{FRAC_PI_2, PI},
+    sync::LazyLock,
+};
+
+use glam::DVec3;
+
+use crate::{
+    brdf::Brdf,
+    math::{cos, sin_cos},
+};
+
+/// The nodes and weights of a Gauss-Legendre rule on [0, 1].
+#[derive(Debug)]
+pub(super) struct Rule(Vec<[f64; 2]>);
+
+impl Rule {
+    /// The rule with `n` nodes: Newton's iteration for the zeros of the Legendre polynomial.
+    pub(super) fn new(n: usize) -> Self {
+        let node = |i: usize| {
+            let mut x = cos(PI * (i as f64 + 0.75) / (n as f64 + 0.5));
+            let mut slope = 1.0;
+            // The iteration doubles the digits in each step, and starts with three digits.
+            for _ in 0..6 {
+                let (mut last, mut p) = (1.0, x);
+                for k in 2..=n {
+                    let k = k as f64;
+                    (last, p) = (p, ((2.0 * k - 1.0) * x * p - (k - 1.0) * last) / k);
+                }
+                slope = n as f64 * (x * p - last) / (x * x - 1.0);
+                x -= p / slope;
+            }
+            [0.5 * (1.0 - x), 1.0 / ((1.0 - x * x) * slope * slope)]
+        };
+        Self((0..n).map(node).collect())
+    }
+
+    /// The integral of `f` from `from` to `to`.
+    pub(super) fn integrate<const N: usize>(&self, from: f64, to: f64, mut f: impl FnMut(f64) -> [f64; N]) -> [f64; N] {
+        let mut sum = [0.0; N];
+        for [x, weight] in &self.0 {
+            let part = f(from + (to - from) * x);
+            sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += (to - from) * weight * part);
+        }
+        sum
+    }
+}
+
+/// The number of nodes for each angle of the light, between two kinks.
+const NODES: usize = 40;
+static ANGLES: LazyLock<Rule> = LazyLock::new(|| Rule::new(NODES));
+
+/// The directional albedo `int f(wo, wi) cos(theta_i) dwi` of an isotropic BRDF. Polar angle and azimuth of the light
+/// are split at the kinks of the BRDF, at the view and at the normal.
+pub(super) fn albedo(surface: &dyn Brdf, cos_theta_o: f64) -> f64 {
+    let wo = DVec3::new((1.0 - cos_theta_o * cos_theta_o).max(0.0).sqrt(), 0.0, cos_theta_o);
+    let bends = surface.bends(wo);
+    let theta_o = crate::math::atan2(wo.x, wo.z);
+    let of_view = [theta_o].into_iter().filter(|theta| *theta > 1e-3 && *theta < FRAC_PI_2 - 1e-3);
+    let thetas = sorted(bends.theta_i.iter().copied().chain(of_view), FRAC_PI_2);
+    let phis = sorted(bends.phi.iter().copied(), PI);
+    let [sum] = over(&thetas, |theta| {
+        let (sin, cos) = sin_cos(theta);
+        let [around] = over(&phis, |phi| {
+            let (y, x) = sin_cos(phi);
+            [surface.eval_cos(wo, DVec3::new(sin * x, sin * y, cos))]
+        });
+        [2.0 * sin * around]
+    });
+    sum
+}
+
+/// The ends of intervals from 0 to `to`.
+fn sorted(inner: impl Iterator<Item = f64>, to: f64) -> Vec<f64> {
+    let mut ends: Vec<f64> = [0.0, to].into_iter().chain(inner).collect();
+    ends.sort_by(f64::total_cmp);
+    ends
+}
+
+/// The integral over intervals. Each interval is mapped by a cubic that is flat at both ends, so mild singularities at
+/// the ends do no harm.
+fn over(ends: &[f64], mut f: impl FnMut(f64) -> [f64; 1]) -> [f64; 1] {
+    let mut sum = 0.0;
+    for pair in ends.windows(2) {
+        let length = pair[1] - pair[0];
+        let [part] = ANGLES.integrate(0.0, 1.0, |u| {
+            let x = u * u * (3.0 - 2.0 * u);
+            [f(pair[0] + length * x)[0] * length * 6.0 * u * (1.0 - u)]
+        });
+        sum += part;
+    }
+    [sum]
+}

@@ -1,0 +1,109 @@
+//! Recipes of lookup tables.
+
+use serde::Serialize;
+
+use super::{axes::LutAxes, ggx::ggx, quadrature::albedo};
+use crate::{brdf::BrdfKind, layout::Precision, named_list};
+
+named_list! {
+    /// The values of a lookup table.
+    pub enum LutKind {
+        /// The two terms of the split sum for GGX [Karis 2013].
+        Dfg = "dfg",
+        /// The directional albedo of GGX, and its average over the hemisphere.
+        Albedo = "albedo",
+        /// The directional albedo of a sheen.
+        Sheen = "sheen",
+        /// The directional albedo of a diffuse reflection.
+        Diffuse = "diffuse",
+    }
+}
+
+named_list! {
+    /// The two terms of a `dfg` table.
+    pub enum DfgForm {
+        /// Scale and bias: the reflectance is `F0 scale + F90 bias` [Karis 2013].
+        Karis = "karis",
+        /// Filament's pair: the reflectance is `mix(x, y, F0)`. `x` is the bias, `y` the albedo.
+        Filament = "filament",
+    }
+}
+
+impl LutKind {
+    /// The scattering models that a table of this kind can have, the default first.
+    #[must_use]
+    pub fn brdfs(self) -> &'static [BrdfKind] {
+        match self {
+            Self::Dfg | Self::Albedo => &[BrdfKind::Ggx],
+            Self::Sheen => &[BrdfKind::Charlie, BrdfKind::CharlieNeubelt, BrdfKind::Fuzz],
+            Self::Diffuse => &[BrdfKind::BurleyDiffuse, BrdfKind::OrenNayar],
+        }
+    }
+
+    /// The names of the channels.
+    #[must_use]
+    pub fn channels(self, form: Option<DfgForm>) -> &'static [&'static str] {
+        match (self, form) {
+            (Self::Dfg, Some(DfgForm::Filament)) => &["bias", "albedo"],
+            (Self::Dfg, _) => &["scale", "bias"],
+            _ => &["albedo"],
+        }
+    }
+}
+
+/// The number of texels on each axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct LutResolution {
+    /// Texels on the axis of roughness.
+    pub roughness: u32,
+    /// Texels on the axis of the view.
+    pub cos_theta: u32,
+}
+
+/// A complete recipe of a lookup table. Equal recipes give equal bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct LutRecipe {
+    /// The version of the fitter for which the recipe was written.
+    pub fitter: u32,
+    /// The values of the table.
+    pub table: LutKind,
+    /// Scattering model.
+    pub brdf: BrdfKind,
+    /// The terms of a `dfg` table.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub form: Option<DfgForm>,
+    /// The number of texels.
+    pub resolution: LutResolution,
+    /// The parameters of the texels.
+    pub axes: LutAxes,
+    /// Number format of the table.
+    pub precision: Precision,
+}
+
+impl LutRecipe {
+    /// Texels of the table.
+    #[must_use]
+    pub fn entries(&self) -> u64 {
+        u64::from(self.resolution.roughness) * u64::from(self.resolution.cos_theta)
+    }
+
+    /// The names of the channels.
+    #[must_use]
+    pub fn channels(&self) -> &'static [&'static str] {
+        self.table.channels(self.form)
+    }
+
+    /// The values at an alpha and a cosine, correct to 1e-6; the second is zero if the table has one channel.
+    #[must_use]
+    pub fn truth(&self, alpha: f64, cosine: f64) -> [f64; 2] {
+        if self.brdf != BrdfKind::Ggx {
+            return [albedo(&*self.brdf.surface([alpha; 2]), cosine), 0.0];
+        }
+        let [total, bias] = ggx(alpha, cosine);
+        match (self.table, self.form) {
+            (LutKind::Dfg, Some(DfgForm::Filament)) => [bias, total],
+            (LutKind::Dfg, _) => [total - bias, bias],
+            _ => [total, 0.0],
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! The error of a lookup table after linear filtering.
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::{recipe::LutRecipe, rows::Lut, solve::LEAST};
+use crate::{
+    math::{Lattice, from_half_bits, half_bits},
+    named_list,
+};
+
+/// The number of places at which a table is measured. They are not the places of the fit.
+const PLACES: usize = 4096;
+
+named_list! {
+    /// A number format of a texture.
+    pub enum StoredAs {
+        /// 32-bit floats.
+        F32 = "f32",
+        /// Halves.
+        F16 = "f16",
+        /// 16-bit integers from 0 to 1.
+        Unorm16 = "unorm16",
+        /// 8-bit integers from 0 to 1.
+        Rgba8 = "rgba8",
+    }
+}
+
+impl StoredAs {
+    /// The nearest number of the format.
+    #[must_use]
+    pub fn round(self, x: f32) -> f32 {
+        let steps = |steps: f32| (x.clamp(0.0, 1.0) * steps).round() / steps;
+        match self {
+            Self::F32 => x,
+            Self::F16 => from_half_bits(half_bits(x)),
+            Self::Unorm16 => steps(65_535.0),
+            Self::Rgba8 => steps(255.0),
+        }
+    }
+}
+
+/// Absolute errors over the domain: alpha from .002, cosine from .01, evenly in the parameters of the axes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LutError {
+    /// The mean of all channels.
+    pub mean: f64,
+    /// The 95th percentile.
+    pub p95: f64,
+    /// The largest error.
+    pub max: f64,
+}
+
+/// The errors of a lookup table.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LutReport {
+    /// The number of places.
+    pub places: usize,
+    /// The error of the stored numbers.
+    pub stored: LutError,
+    /// The error of a table that has the exact values at its texels.
+    pub sampled: LutError,
+    /// The error in each number format.
+    pub formats: Vec<(StoredAs, LutError)>,
+}
+
+/// A recipe's values at the places of a report.
+#[derive(Debug)]
+pub struct MeasuredLut {
+    recipe: LutRecipe,
+    /// Parameters of roughness and view, and the values.
+    truth: Vec<([f64; 2], [f64; 2])>,
+}
+
+impl MeasuredLut {
+    /// Computes the values on the current rayon pool.
+    #[must_use]
+    pub fn new(recipe: &LutRecipe) -> Self {
+        let ends = [
+            [recipe.axes.roughness.of_alpha(LEAST[0]), 1.0],
+            [LEAST[1], 1.0].map(|cosine| recipe.axes.cos_theta.of_cosine(cosine)),
+        ];
+        let places: Vec<[f64; 2]> = Lattice::new(PLACES, [0.37, 0.59]).points().collect();
+        let truth = places.into_par_iter().map(|u| {
+            let at = [0, 1].map(|axis| ends[axis][0] + (ends[axis][1] - ends[axis][0]) * u[axis]);
+            (at, recipe.truth(recipe.axes.roughness.alpha(at[0]), recipe.axes.cos_theta.cosine(at[1])))
+        });
+        Self { recipe: *recipe, truth: truth.collect() }
+    }
+
+    /// The error of texels: rows of roughness, then texels of the view, then channels. Domain: texels of the recipe's
+    /// resolution.
+    #[must_use]
+    pub fn error(&self, texels: &[f32]) -> LutError {
+        let (axes, size) = (&self.recipe.axes, &self.recipe.resolution);
+        let (channels, width) = (self.recipe.channels().len(), size.cos_theta as usize);
+        let mut errors: Vec<f64> = Vec::with_capacity(channels * self.truth.len());
+        for (at, truth) in &self.truth {
+            let (row, down) = axes.texels.filter(at[0], size.roughness as usize);
+            let (column, right) = axes.texels.filter(at[1], width);
+            for (channel, truth) in truth.iter().take(channels).enumerate() {
+                let texel = |row: usize, column: usize| f64::from(texels[(row * width + column) * channels + channel]);
+                let mix = |row| texel(row, column) * (1.0 - right) + texel(row, column + 1) * right;
+                errors.push((mix(row) * (1.0 - down) + mix(row + 1) * down - truth).abs());
+            }
+        }
+        errors.sort_by(f64::total_cmp);
+        let count = errors.len();
+        LutError {
+            mean: errors.iter().sum::<f64>() / count as f64,
+            p95: errors[count * 95 / 100],
+            max: errors[count - 1],
+        }
+    }
+
+    /// The report of a table.
+    #[must_use]
+    pub fn report(&self, lut: &Lut) -> LutReport {
+        let recipe = &self.recipe;
+        let (axes, size) = (&recipe.axes, &recipe.resolution);
+        let sampled: Vec<f32> = (0..size.roughness as usize)
+            .into_par_iter()
+            .flat_map_iter(|row| {
+                let alpha = axes.roughness.alpha(axes.texels.parameter(row, size.roughness as usize));
+                (0..size.cos_theta as usize).flat_map(move |column| {
+                    let cosine = axes.cos_theta.cosine(axes.texels.parameter(column, size.cos_theta as usize));
+                    recipe.truth(alpha, cosine).into_iter().take(recipe.channels().len()).map(|x| x as f32)
+                })
+            })
+            .collect();
+        let of = |format: &StoredAs| {
+            let rounded: Vec<f32> = lut.texels.iter().map(|x| format.round(*x)).collect();
+            (*format, self.error(&rounded))
+        };
+        LutReport {
+            places: self.truth.len(),
+            stored: self.error(&lut.texels),
+            sampled: self.error(&sampled),
+            formats: StoredAs::ALL.iter().map(of).collect(),
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! The rows of a lookup table, which are its shards, and their assembly.
+
+use std::ops::{ControlFlow, Range};
+
+use rayon::prelude::*;
+
+use super::{
+    quadrature::Rule,
+    recipe::{LutKind, LutRecipe},
+    solve::solve,
+};
+use crate::{
+    layout::Precision,
+    math::{from_half_bits, half_bits_f64},
+    run::Progress,
+    shard::ShardBytesError,
+};
+
+/// A recipe and the places at which its values are computed. Each texel has several places on each axis.
+#[derive(Debug, Clone)]
+pub struct LutPlan {
+    recipe: LutRecipe,
+    /// Places for each texel on each axis.
+    per_texel: usize,
+}
+
+/// A lookup table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lut {
+    /// Rows of roughness, then texels of the view, then channels.
+    pub texels: Vec<f32>,
+    /// The average of the albedo over the hemisphere for each roughness, in tables of kind `albedo`.
+    pub average: Option<Vec<f32>>,
+}
+
+impl LutPlan {
+    /// The plan of a recipe.
+    #[must_use]
+    pub fn new(recipe: &LutRecipe) -> Self {
+        let most = recipe.resolution.roughness.max(recipe.resolution.cos_theta) as usize;
+        Self { recipe: *recipe, per_texel: (128 / most).clamp(2, 6) }
+    }
+
+    /// The recipe of the plan.
+    #[must_use]
+    pub fn recipe(&self) -> &LutRecipe {
+        &self.recipe
+    }
+
+    /// The number of shards, which are rows of texels with the same roughness.
+    #[must_use]
+    pub fn shards(&self) -> u32 {
+        self.recipe.resolution.roughness
+    }
+
+    /// The parameters of the places on the axis of roughness.
+    pub(super) fn roughnesses(&self) -> Vec<f64> {
+        places(self.recipe.resolution.roughness as usize * self.per_texel)
+    }
+
+    /// The parameters of the places on the axis of the view.
+    pub(super) fn cosines(&self) -> Vec<f64> {
+        places(self.recipe.resolution.cos_theta as usize * self.per_texel)
+    }
+
+    /// The places on the axis of roughness that belong to a shard. The last shard has one more.
+    fn rows(&self, shard: u32) -> Range<usize> {
+        let start = shard as usize * self.per_texel;
+        start..start + self.per_texel + usize::from(shard + 1 == self.shards())
+    }
+
+    /// The values at the places of a shard: for each place of roughness, two numbers for each place of the view, and
+    /// the average if the table has it. `None` if `on_progress` stops it.
+    pub fn fit_shard(&self, shard: u32, on_progress: &mut dyn FnMut(u64) -> ControlFlow<()>) -> Option<Vec<f64>> {
+        let (recipe, cosines) = (&self.recipe, self.cosines());
+        let roughnesses = self.roughnesses();
+        let mut values = Vec::with_capacity(self.numbers(shard));
+        for row in self.rows(shard) {
+            let alpha = recipe.axes.roughness.alpha(roughnesses[row]);
+            for x in &cosines {
+                values.extend(recipe.truth(alpha, recipe.axes.cos_theta.cosine(*x)));
+            }
+            if recipe.table == LutKind::Albedo {
+                values.push(average(recipe, alpha));
+            }
+            on_progress(0).is_continue().then_some(())?;
+        }
+        on_progress(u64::from(recipe.resolution.cos_theta)).is_continue().then_some(values)
+    }
+
+    /// The numbers of a shard.
+    fn numbers(&self, shard: u32) -> usize {
+        self.rows(shard).len() * self.row_numbers()
+    }
+
+    fn row_numbers(&self) -> usize {
+        2 * self.cosines().len() + usize::from(self.recipe.table == LutKind::Albedo)
+    }
+
+    /// Decodes the result of a shard, which is little-endian f64.
+    ///
+    /// # Errors
+    /// If the number of bytes does not match the shard.
+    pub fn shard_from_bytes(&self, shard: u32, bytes: &[u8]) -> Result<Vec<f64>, ShardBytesError> {
+        let expected = self.numbers(shard) * size_of::<f64>();
+        if bytes.len() != expected {
+            return Err(ShardBytesError { expected, actual: bytes.len() });
+        }
+        let (words, _) = bytes.as_chunks::<8>();
+        Ok(words.iter().map(|word| f64::from_le_bytes(*word)).collect())
+    }
+
+    /// Solves for the texels. `values` are the results of all shards in order.
+    #[must_use]
+    pub fn assemble(&self, values: &[f64]) -> Lut {
+        let recipe = &self.recipe;
+        let channels = recipe.channels().len();
+        let (rows, columns) = (self.roughnesses(), self.cosines());
+        let row_numbers = self.row_numbers();
+        let truth = |channel: usize| -> Vec<f64> {
+            values.chunks(row_numbers).flat_map(|row| (0..columns.len()).map(move |i| row[2 * i + channel])).collect()
+        };
+        let solved: Vec<Vec<f64>> =
+            (0..channels).into_par_iter().map(|channel| solve(recipe, [&rows, &columns], &truth(channel))).collect();
+        let texels = (0..solved[0].len()).flat_map(|texel| solved.iter().map(move |channel| channel[texel]));
+        let average = (recipe.table == LutKind::Albedo).then(|| {
+            let along: Vec<f64> = values.chunks(row_numbers).map(|row| row[row_numbers - 1]).collect();
+            let flat: Vec<f64> = along.iter().flat_map(|x| [*x, *x]).collect();
+            let two = LutRecipe { resolution: super::LutResolution { cos_theta: 2, ..recipe.resolution }, ..*recipe };
+            let solved = solve(&two, [&rows, &[0.5, 1.0]], &flat);
+            solved.chunks(2).map(|pair| round(recipe.precision, pair[0])).collect()
+        });
+        Lut { texels: texels.map(|x| round(recipe.precision, x)).collect(), average }
+    }
+}
+
+/// The average of the albedo over the hemisphere, `2 int E(mu) mu dmu`. The variable is the root of `mu`, because `E`
+/// changes fast near the horizon.
+fn average(recipe: &LutRecipe, alpha: f64) -> f64 {
+    let [sum] = Rule::new(24).integrate(0.0, 1.0, |root| {
+        let cosine = root * root;
+        [4.0 * cosine * root * recipe.truth(alpha, cosine.max(1e-3))[0]]
+    });
+    sum
+}
+
+/// Evenly spaced parameters from 0 to 1.
+fn places(steps: usize) -> Vec<f64> {
+    (0..=steps).map(|i| i as f64 / steps as f64).collect()
+}
+
+/// The nearest number of a precision.
+fn round(precision: Precision, x: f64) -> f32 {
+    match precision {
+        Precision::F32 => x as f32,
+        Precision::F16 => from_half_bits(half_bits_f64(x)),
+    }
+}
+
+/// Computes a whole table on the current rayon pool. Returns `None` if `progress` stops it.
+#[must_use]
+pub fn fit_lut(plan: &LutPlan, progress: &Progress) -> Option<Lut> {
+    let row = |shard| {
+        plan.fit_shard(shard, &mut |_| progress(u64::from(shard) * u64::from(plan.recipe.resolution.cos_theta)))
+    };
+    let rows: Option<Vec<Vec<f64>>> = (0..plan.shards()).into_par_iter().with_max_len(1).map(row).collect();
+    Some(plan.assemble(&rows?.concat()))
+}

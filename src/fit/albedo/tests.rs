@@ -1,0 +1,196 @@
+//! Values against an independent integral, and errors after filtering.
+
+use std::{f64::consts::PI, ops::ControlFlow};
+
+use glam::DVec3;
+
+use super::{ggx::ggx, *};
+use crate::{
+    BrdfKind, FITTER_VERSION, Precision,
+    brdf::{Brdf, Ggx},
+    math::{Lattice, direction, sin_cos},
+};
+
+fn recipe(table: LutKind, texels: u32) -> LutRecipe {
+    LutRecipe {
+        fitter: FITTER_VERSION,
+        table,
+        brdf: table.brdfs()[0],
+        form: (table == LutKind::Dfg).then_some(DfgForm::Karis),
+        resolution: LutResolution { roughness: texels, cos_theta: texels },
+        axes: LutAxes::default(),
+        precision: Precision::F16,
+    }
+}
+
+fn fitted(recipe: &LutRecipe) -> Lut {
+    fit_lut(&LutPlan::new(recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it")
+}
+
+/// Adaptive Simpson.
+fn simpson(f: &mut dyn FnMut(f64) -> [f64; 2], [a, b]: [f64; 2], tolerance: f64) -> [f64; 2] {
+    type Values = [[f64; 2]; 3];
+    fn part(
+        f: &mut dyn FnMut(f64) -> [f64; 2],
+        [a, b]: [f64; 2],
+        [fa, fm, fb]: Values,
+        tolerance: f64,
+        depth: u32,
+    ) -> [f64; 2] {
+        let m = 0.5 * (a + b);
+        let (fl, fr) = (f(0.5 * (a + m)), f(0.5 * (m + b)));
+        let rule = |length: f64, x: f64, y: f64, z: f64| length / 6.0 * (x + 4.0 * y + z);
+        let whole = [0, 1].map(|i| rule(b - a, fa[i], fm[i], fb[i]));
+        let halves = [0, 1].map(|i| rule(m - a, fa[i], fl[i], fm[i]) + rule(b - m, fm[i], fr[i], fb[i]));
+        if depth == 0 || (0..2).all(|i| (halves[i] - whole[i]).abs() < 15.0 * tolerance) {
+            return [0, 1].map(|i| halves[i] + (halves[i] - whole[i]) / 15.0);
+        }
+        let left = part(f, [a, m], [fa, fl, fm], 0.5 * tolerance, depth - 1);
+        let right = part(f, [m, b], [fm, fr, fb], 0.5 * tolerance, depth - 1);
+        [0, 1].map(|i| left[i] + right[i])
+    }
+    // Several intervals, so no narrow peak is missed.
+    let steps = 8;
+    let mut sum = [0.0; 2];
+    for i in 0..steps {
+        let at = |i: usize| a + (b - a) * i as f64 / steps as f64;
+        let ends = [at(i), at(i + 1)];
+        let values = [f(ends[0]), f(0.5 * (ends[0] + ends[1])), f(ends[1])];
+        let found = part(f, ends, values, tolerance / steps as f64, 24);
+        (0..2).for_each(|i| sum[i] += found[i]);
+    }
+    sum
+}
+
+/// The albedo by nested adaptive Simpson over polar angle and azimuth of the normal, with the values of [`Ggx`].
+fn independent(alpha: f64, cosine: f64) -> [f64; 2] {
+    let surface = Ggx { alpha_x: alpha, alpha_y: alpha };
+    let wo = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
+    simpson(
+        &mut |u| {
+            // The slope is alpha times the tangent of v.
+            let v = u * 0.5 * PI * (1.0 - 1e-9);
+            let (sin_v, cos_v) = sin_cos(v);
+            let slope = alpha * sin_v / cos_v;
+            let length = (1.0 + slope * slope).sqrt();
+            let jacobian = alpha / (cos_v * cos_v) * slope / (length * length * length) * 0.5 * PI;
+            simpson(
+                &mut |phi| {
+                    let (y, x) = sin_cos(phi);
+                    let wm = DVec3::new(slope * x, slope * y, 1.0) / length;
+                    let value = 2.0 * surface.eval_normal(wo, wm) * jacobian;
+                    [value, value * (1.0 - wo.dot(wm)).max(0.0).powi(5)]
+                },
+                [0.0, PI],
+                3e-8,
+            )
+        },
+        [0.0, 1.0],
+        3e-7,
+    )
+}
+
+#[test]
+fn values_of_ggx_agree_with_an_independent_integral() {
+    let mut worst = 0.0_f64;
+    for [x, y] in Lattice::new(200, [0.21, 0.83]).points() {
+        let (alpha, cosine) = (0.002_f64.powf(1.0 - x), 0.01 + 0.99 * y * y);
+        let (found, expected) = (ggx(alpha, cosine), independent(alpha, cosine));
+        let error = (0..2).map(|i| (found[i] - expected[i]).abs()).fold(0.0, f64::max);
+        assert!(error < 1e-6, "alpha {alpha}, cosine {cosine}: {found:?}, not {expected:?}");
+        worst = worst.max(error);
+    }
+    println!("largest difference {worst:.1e}");
+    // At normal incidence and alpha 1 the integral has a closed form.
+    assert!((ggx(1.0, 1.0)[0] - (1.0 - std::f64::consts::LN_2)).abs() < 1e-8);
+}
+
+#[test]
+fn values_of_sheen_and_diffuse_agree_with_an_independent_integral() {
+    for table in [LutKind::Sheen, LutKind::Diffuse] {
+        for &brdf in table.brdfs() {
+            let recipe = LutRecipe { brdf, ..recipe(table, 8) };
+            for [x, y] in Lattice::new(12, [0.4, 0.7]).points() {
+                let (alpha, cosine) = (0.05 + 0.95 * x, 0.02 + 0.98 * y);
+                let surface = brdf.surface([alpha; 2]);
+                let wo = direction(cosine.acos(), 0.0);
+                let mut around = |theta: f64| {
+                    simpson(
+                        &mut |phi| [2.0 * theta.sin() * surface.eval_cos(wo, direction(theta, phi)), 0.0],
+                        [0.0, PI],
+                        1e-7,
+                    )
+                };
+                let [expected, _] = simpson(&mut around, [0.0, 0.5 * PI], 1e-7);
+                let [found, _] = recipe.truth(alpha, cosine);
+                assert!((found - expected).abs() < 1e-5, "{brdf} {alpha} {cosine}: {found}, not {expected}");
+            }
+        }
+    }
+}
+
+#[test]
+fn filtered_errors_are_within_their_limits() {
+    for (texels, mean, max) in [(16, 0.001, 0.012), (32, 0.0003, 0.004), (128, 0.0001, 0.002)] {
+        let recipe = recipe(LutKind::Dfg, texels);
+        let start = std::time::Instant::now();
+        let lut = fitted(&recipe);
+        println!("{:?}", start.elapsed());
+        let report = MeasuredLut::new(&recipe).report(&lut);
+        println!("{texels}: {:?}, sampled {:?}", report.stored, report.sampled);
+        assert!(report.stored.mean < mean && report.stored.max < max, "{texels}: {report:?}");
+    }
+}
+
+#[test]
+fn a_white_furnace_with_the_albedo_table_returns_all_energy() {
+    let recipe = recipe(LutKind::Albedo, 32);
+    let lut = fitted(&recipe);
+    let average = lut.average.expect("an albedo table has averages");
+    let size = 32;
+    let read = |texels: &[f32], [row, down]: [f64; 2], [column, right]: [f64; 2]| {
+        let at = |i: f64, j: f64| f64::from(texels[i as usize * size + j as usize]);
+        (at(row, column) * (1.0 - right) + at(row, column + 1.0) * right) * (1.0 - down)
+            + (at(row + 1.0, column) * (1.0 - right) + at(row + 1.0, column + 1.0) * right) * down
+    };
+    let place = |x: f64| {
+        let (below, next) = recipe.axes.texels.filter(x, size);
+        [below as f64, next]
+    };
+    let mut worst = 0.0_f64;
+    for [x, y] in Lattice::new(400, [0.3, 0.1]).points() {
+        let (rough, view) = (0.05 + 0.95 * x, 0.1 + 0.9 * y);
+        let alpha = recipe.axes.roughness.alpha(rough);
+        let [row, down] = place(rough);
+        let average = f64::from(average[row as usize]) * (1.0 - down) + f64::from(average[row as usize + 1]) * down;
+        // Kulla and Conty add (1 - E(o)) (1 - E(i)) / (pi (1 - average)); its albedo is (1 - E(o)) times this factor.
+        let lost = 1.0 - read(&lut.texels, [row, down], place(view));
+        let steps = 400;
+        let lights = (0..steps).map(|i| {
+            let cosine = (f64::from(i) + 0.5) / f64::from(steps);
+            2.0 * cosine * (1.0 - read(&lut.texels, [row, down], place(recipe.axes.cos_theta.of_cosine(cosine))))
+                / f64::from(steps)
+        });
+        let factor = lights.sum::<f64>() / (1.0 - average).max(1e-4);
+        let [single, _] = recipe.truth(alpha, recipe.axes.cos_theta.cosine(view));
+        worst = worst.max((single + lost * factor - 1.0).abs());
+    }
+    println!("furnace {worst:.5}");
+    assert!(worst < 0.003, "{worst}");
+}
+
+#[test]
+fn shards_in_bytes_give_the_same_table() {
+    let recipe = recipe(LutKind::Albedo, 4);
+    let plan = LutPlan::new(&recipe);
+    let mut values = vec![];
+    for shard in 0..plan.shards() {
+        let found = plan.fit_shard(shard, &mut |_| ControlFlow::Continue(())).expect("nothing stops it");
+        let bytes: Vec<u8> = found.iter().flat_map(|x| x.to_le_bytes()).collect();
+        assert!(plan.shard_from_bytes(shard, &bytes[8..]).is_err());
+        values.extend(plan.shard_from_bytes(shard, &bytes).expect("a shard"));
+        assert!(plan.fit_shard(shard, &mut |_| ControlFlow::Break(())).is_none());
+    }
+    assert_eq!(plan.assemble(&values), fitted(&recipe));
+    let _ = BrdfKind::Ggx;
+}
