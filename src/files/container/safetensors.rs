@@ -21,7 +21,7 @@ use ltcforge_fit::{
 };
 
 /// The metadata key of the recipe.
-const RECIPE_KEY: &str = "ltcforge";
+pub(super) const RECIPE_KEY: &str = "ltcforge";
 
 /// A decoded canonical file.
 #[derive(Debug, Clone, PartialEq)]
@@ -89,7 +89,7 @@ pub enum TableFileError {
 }
 
 /// A tensor of numbers in a precision that stores them exactly.
-fn tensor<'a>(precision: Precision, shape: &[usize], values: impl IntoIterator<Item = &'a f32>) -> Tensor {
+pub(super) fn tensor<'a>(precision: Precision, shape: &[usize], values: impl IntoIterator<Item = &'a f32>) -> Tensor {
     let values = values.into_iter();
     let (dtype, bytes) = match precision {
         Precision::F32 => (Dtype::F32, values.flat_map(|x| x.to_le_bytes()).collect()),
@@ -229,7 +229,12 @@ fn numbers<'a, const BYTES: usize>(
 }
 
 /// The elements of a tensor with this precision and shape; all must be finite.
-fn finite(file: &SafeTensors, name: &str, precision: Precision, shape: &[usize]) -> Result<Vec<f32>, TableFileError> {
+pub(super) fn finite(
+    file: &SafeTensors,
+    name: &str,
+    precision: Precision,
+    shape: &[usize],
+) -> Result<Vec<f32>, TableFileError> {
     let values: Vec<f32> = match precision {
         Precision::F32 => numbers::<4>(file, name, Dtype::F32, shape)?.map(f32::from_le_bytes).collect(),
         Precision::F16 => numbers::<2>(file, name, Dtype::F16, shape)?

@@ -22,8 +22,9 @@ use ltcforge_fit::{
 /// Maximum number of entries of a table, unless the caller sets another limit.
 pub const DEFAULT_ENTRY_LIMIT: u64 = 2_000_000;
 
-const FIELDS: [&str; 14] = [
+const FIELDS: [&str; 15] = [
     "preset",
+    "table",
     "fitter",
     "brdf",
     "tabulated",
@@ -93,12 +94,12 @@ pub(super) fn read(
 }
 
 /// The items of a list with their names.
-fn named<T: Copy>(items: &[T], name: fn(T) -> &'static str) -> Vec<(&'static str, T)> {
+pub(super) fn named<T: Copy>(items: &[T], name: fn(T) -> &'static str) -> Vec<(&'static str, T)> {
     items.iter().map(|item| (name(*item), *item)).collect()
 }
 
 /// Reads the version of the fitter, which a recipe may name. The recipe of a stored table may name an older fitter.
-fn read_fitter(root: &Object, allowed: RangeInclusive<u32>, faults: &mut Faults) -> u32 {
+pub(super) fn read_fitter(root: &Object, allowed: RangeInclusive<u32>, faults: &mut Faults) -> u32 {
     let Some(value) = root.get("fitter") else { return FITTER_VERSION };
     let version = value.as_u64().and_then(|version| u32::try_from(version).ok());
     version.filter(|version| allowed.contains(version)).unwrap_or_else(|| {

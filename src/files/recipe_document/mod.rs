@@ -5,6 +5,7 @@ mod axes;
 mod document;
 mod fault;
 mod fresnel;
+mod lut;
 mod materials;
 mod preset;
 mod reader;
@@ -20,7 +21,8 @@ use crate::{
     tabulated::{FindBrdf, no_files},
     text::{other_form, without_mark},
 };
-use ltcforge_fit::{FITTER_VERSION, Recipe, TabulatedFile};
+use ltcforge_fit::{FITTER_VERSION, Recipe, TabulatedFile, albedo::LutRecipe};
+use serde::Serialize;
 
 pub use document::DEFAULT_ENTRY_LIMIT;
 pub use fault::Fault;
@@ -41,6 +43,16 @@ pub enum RecipeError {
     Faults(Vec<Fault>),
 }
 
+/// A recipe of either kind.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum AnyRecipe {
+    /// The recipe of a table of linearly transformed cosines.
+    Ltc(Box<Recipe>),
+    /// The recipe of a lookup table.
+    Lut(LutRecipe),
+}
+
 fn list(faults: &[Fault]) -> String {
     faults.iter().map(|fault| format!("{}: {}", fault.pointer, fault.detail)).collect::<Vec<_>>().join("; ")
 }
@@ -59,7 +71,25 @@ pub fn parse(json: &[u8], entry_limit: u64) -> Result<Recipe, RecipeError> {
 /// # Errors
 /// Like [`parse`]; errors of the file belong to the field `tabulated`.
 pub fn parse_with(json: &[u8], entry_limit: u64, find: &FindBrdf<'_>) -> Result<Recipe, RecipeError> {
+    only_ltc(parse_any(json, entry_limit, find)?)
+}
+
+/// Like [`parse_with`], for recipes of both kinds.
+///
+/// # Errors
+/// Like [`parse_with`].
+pub fn parse_any(json: &[u8], entry_limit: u64, find: &FindBrdf<'_>) -> Result<AnyRecipe, RecipeError> {
     read(json, entry_limit, FITTER_VERSION..=FITTER_VERSION, find)
+}
+
+fn only_ltc(recipe: AnyRecipe) -> Result<Recipe, RecipeError> {
+    match recipe {
+        AnyRecipe::Ltc(recipe) => Ok(*recipe),
+        AnyRecipe::Lut(recipe) => Err(RecipeError::Faults(vec![Fault {
+            pointer: "/table".to_owned(),
+            detail: format!("\"{}\" is a lookup table; this command takes \"ltc\"", recipe.table),
+        }])),
+    }
 }
 
 /// Reads the recipe of a stored table, which may come from an older fitter. The file of a tabulated BRDF is not read.
@@ -67,6 +97,14 @@ pub fn parse_with(json: &[u8], entry_limit: u64, find: &FindBrdf<'_>) -> Result<
 /// # Errors
 /// Like [`parse`].
 pub fn parse_stored(json: &[u8]) -> Result<Recipe, RecipeError> {
+    only_ltc(parse_any_stored(json)?)
+}
+
+/// Like [`parse_stored`], for recipes of both kinds.
+///
+/// # Errors
+/// Like [`parse`].
+pub fn parse_any_stored(json: &[u8]) -> Result<AnyRecipe, RecipeError> {
     let unread = |name: &str| match name.parse::<Digest>() {
         Ok(digest) => Ok(TabulatedFile::unread(*digest.as_bytes())),
         Err(error) => Err(vec![error.to_string()]),
@@ -79,24 +117,33 @@ fn read(
     entry_limit: u64,
     fitters: RangeInclusive<u32>,
     find: &FindBrdf<'_>,
-) -> Result<Recipe, RecipeError> {
+) -> Result<AnyRecipe, RecipeError> {
     let json = without_mark(json);
     LIMITS.check(json).map_err(|error| RecipeError::Json(error.to_string()))?;
     let Strict(document) = serde_json::from_slice(json)
         .map_err(|error| RecipeError::Json(other_form(json).unwrap_or_else(|| error.to_string())))?;
-    document::read(&document, entry_limit, fitters, find).map_err(RecipeError::Faults)
+    let mut faults = reader::Faults::default();
+    let kind = lut::kind(&document, &mut faults);
+    if !faults.0.is_empty() {
+        return Err(RecipeError::Faults(faults.0));
+    }
+    match kind {
+        Some(kind) => lut::read(&document, kind, entry_limit, fitters).map(AnyRecipe::Lut),
+        None => document::read(&document, entry_limit, fitters, find).map(|recipe| AnyRecipe::Ltc(Box::new(recipe))),
+    }
+    .map_err(RecipeError::Faults)
 }
 
-/// The canonical JSON (RFC 8785) of a complete recipe.
+/// The canonical JSON (RFC 8785) of a complete recipe of any kind.
 #[must_use]
-pub fn canonical_json(recipe: &Recipe) -> String {
+pub fn canonical_json(recipe: &impl Serialize) -> String {
     // A recipe has only names and finite numbers, which always have a canonical form.
     serde_jcs::to_string(recipe).unwrap_or_default()
 }
 
 /// The digest of a recipe: SHA-256 of its canonical JSON.
 #[must_use]
-pub fn digest(recipe: &Recipe) -> Digest {
+pub fn digest(recipe: &impl Serialize) -> Digest {
     Digest::of(canonical_json(recipe).as_bytes())
 }
 

@@ -38,7 +38,7 @@ impl LutPlan {
     #[must_use]
     pub fn new(recipe: &LutRecipe) -> Self {
         let most = recipe.resolution.roughness.max(recipe.resolution.cos_theta) as usize;
-        Self { recipe: *recipe, per_texel: (128 / most).clamp(2, 6) }
+        Self { recipe: *recipe, per_texel: (256 / most).clamp(2, 8) }
     }
 
     /// The recipe of the plan.
@@ -69,8 +69,8 @@ impl LutPlan {
         start..start + self.per_texel + usize::from(shard + 1 == self.shards())
     }
 
-    /// The values at the places of a shard: for each place of roughness, two numbers for each place of the view, and
-    /// the average if the table has it. `None` if `on_progress` stops it.
+    /// The values at the places of a shard: for each place of roughness, two numbers for each place of the view.
+    /// `None` if `on_progress` stops it.
     pub fn fit_shard(&self, shard: u32, on_progress: &mut dyn FnMut(u64) -> ControlFlow<()>) -> Option<Vec<f64>> {
         let (recipe, cosines) = (&self.recipe, self.cosines());
         let roughnesses = self.roughnesses();
@@ -79,9 +79,6 @@ impl LutPlan {
             let alpha = recipe.axes.roughness.alpha(roughnesses[row]);
             for x in &cosines {
                 values.extend(recipe.truth(alpha, recipe.axes.cos_theta.cosine(*x)));
-            }
-            if recipe.table == LutKind::Albedo {
-                values.push(average(recipe, alpha));
             }
             on_progress(0).is_continue().then_some(())?;
         }
@@ -94,7 +91,7 @@ impl LutPlan {
     }
 
     fn row_numbers(&self) -> usize {
-        2 * self.cosines().len() + usize::from(self.recipe.table == LutKind::Albedo)
+        2 * self.cosines().len()
     }
 
     /// Decodes the result of a shard, which is little-endian f64.
@@ -123,25 +120,30 @@ impl LutPlan {
         let solved: Vec<Vec<f64>> =
             (0..channels).into_par_iter().map(|channel| solve(recipe, [&rows, &columns], &truth(channel))).collect();
         let texels = (0..solved[0].len()).flat_map(|texel| solved.iter().map(move |channel| channel[texel]));
+        let texels: Vec<f32> = texels.map(|x| round(recipe.precision, x)).collect();
         let average = (recipe.table == LutKind::Albedo).then(|| {
-            let along: Vec<f64> = values.chunks(row_numbers).map(|row| row[row_numbers - 1]).collect();
-            let flat: Vec<f64> = along.iter().flat_map(|x| [*x, *x]).collect();
-            let two = LutRecipe { resolution: super::LutResolution { cos_theta: 2, ..recipe.resolution }, ..*recipe };
-            let solved = solve(&two, [&rows, &[0.5, 1.0]], &flat);
-            solved.chunks(2).map(|pair| round(recipe.precision, pair[0])).collect()
+            let rows = texels.chunks(recipe.resolution.cos_theta as usize);
+            rows.map(|row| round(recipe.precision, average(recipe, row))).collect()
         });
-        Lut { texels: texels.map(|x| round(recipe.precision, x)).collect(), average }
+        Lut { texels, average }
     }
 }
 
-/// The average of the albedo over the hemisphere, `2 int E(mu) mu dmu`. The variable is the root of `mu`, because `E`
-/// changes fast near the horizon.
-fn average(recipe: &LutRecipe, alpha: f64) -> f64 {
-    let [sum] = Rule::new(24).integrate(0.0, 1.0, |root| {
-        let cosine = root * root;
-        [4.0 * cosine * root * recipe.truth(alpha, cosine.max(1e-3))[0]]
-    });
-    sum
+/// The average of a row over the hemisphere, `2 int E(mu) mu dmu`, where the linear filter reads `E`. With this average
+/// a compensated surface returns all energy.
+fn average(recipe: &LutRecipe, row: &[f32]) -> f64 {
+    let axes = &recipe.axes;
+    let steps = 16 * row.len();
+    let rule = Rule::new(4);
+    let part = |step: usize| {
+        let [from, to] = [step, step + 1].map(|i| axes.cos_theta.cosine(i as f64 / steps as f64));
+        let [part] = rule.integrate(from.min(to), from.max(to), |cosine| {
+            let (below, next) = axes.texels.filter(axes.cos_theta.of_cosine(cosine), row.len());
+            [2.0 * cosine * (f64::from(row[below]) * (1.0 - next) + f64::from(row[below + 1]) * next)]
+        });
+        part
+    };
+    (0..steps).map(part).sum()
 }
 
 /// Evenly spaced parameters from 0 to 1.

@@ -1,0 +1,88 @@
+//! Recipe documents of lookup tables: documents whose field `table` is not `"ltc"`.
+
+use std::ops::RangeInclusive;
+
+use serde_json::Value;
+
+use super::{
+    document::{named, read_fitter},
+    fault::Fault,
+    reader::{Faults, Object, echo},
+};
+use ltcforge_fit::{
+    BrdfKind, Precision,
+    albedo::{CosineAxis, DfgForm, LutAxes, LutKind, LutRecipe, LutResolution, RoughnessAxis, Texels},
+};
+
+const FIELDS: [&str; 8] = ["preset", "fitter", "table", "brdf", "form", "resolution", "axes", "precision"];
+/// The name of tables of linearly transformed cosines, the default.
+const LTC: &str = "ltc";
+/// The largest number of texels on an axis.
+const MOST_TEXELS: u32 = 1024;
+
+/// The kind of lookup table that a document asks for, by its field `table` or by a preset with the name of a table.
+/// `None` for other documents.
+pub(super) fn kind(document: &Value, faults: &mut Faults) -> Option<LutKind> {
+    let preset = document.get("preset").and_then(Value::as_str).and_then(LutKind::from_name);
+    let Some(table) = document.get("table") else { return preset };
+    if table.as_str() == Some(LTC) {
+        return None;
+    }
+    let kind = table.as_str().and_then(LutKind::from_name);
+    if kind.is_none() {
+        let names: Vec<String> = LutKind::ALL.iter().map(|kind| format!("\"{kind}\"")).collect();
+        faults.note("/table", format!("{} is not one of \"{LTC}\", {}", echo(table), names.join(", ")));
+    }
+    kind
+}
+
+/// Reads the recipe of a lookup table.
+pub(super) fn read(
+    document: &Value,
+    kind: LutKind,
+    entry_limit: u64,
+    fitters: RangeInclusive<u32>,
+) -> Result<LutRecipe, Vec<Fault>> {
+    let mut faults = Faults::default();
+    let root = Object::root(document, &FIELDS, &mut faults);
+    root.choice("preset", &[(kind.name(), ())], (), &mut faults);
+    let brdfs: Vec<(&str, BrdfKind)> = kind.brdfs().iter().map(|brdf| (brdf.name(), *brdf)).collect();
+    let brdf = root.choice("brdf", &brdfs, brdfs[0].1, &mut faults);
+    let mut form = None;
+    if kind == LutKind::Dfg {
+        form = Some(root.choice("form", &named(DfgForm::ALL, DfgForm::name), DfgForm::ALL[0], &mut faults));
+    } else if let Some(value) = root.get("form") {
+        let detail = format!("table \"{kind}\" has no forms, got {}: leave this field out", echo(value));
+        faults.note("/form", detail);
+    }
+    let default = if kind == LutKind::Albedo { 64 } else { 32 };
+    let size = root.object("resolution", &["roughness", "cos_theta"], &mut faults);
+    let resolution = LutResolution {
+        roughness: size.integer32("roughness", 2, MOST_TEXELS, default, &mut faults),
+        cos_theta: size.integer32("cos_theta", 2, MOST_TEXELS, default, &mut faults),
+    };
+    let object = root.object("axes", &["roughness", "cos_theta", "texels"], &mut faults);
+    let axes = LutAxes {
+        roughness: object.choice(
+            "roughness",
+            &named(RoughnessAxis::ALL, RoughnessAxis::name),
+            RoughnessAxis::ALL[0],
+            &mut faults,
+        ),
+        cos_theta: object.choice(
+            "cos_theta",
+            &named(CosineAxis::ALL, CosineAxis::name),
+            CosineAxis::ALL[0],
+            &mut faults,
+        ),
+        texels: object.choice("texels", &named(Texels::ALL, Texels::name), Texels::ALL[0], &mut faults),
+    };
+    let precision = root.choice("precision", &named(Precision::ALL, Precision::name), Precision::ALL[0], &mut faults);
+    let fitter = read_fitter(&root, fitters, &mut faults);
+    let recipe = LutRecipe { fitter, table: kind, brdf, form, resolution, axes, precision };
+    if recipe.entries() > entry_limit {
+        let detail = format!("{} texels; at most {entry_limit} are allowed (`--entry-limit`)", recipe.entries());
+        faults.note("/resolution", detail);
+    }
+    if faults.0.is_empty() { Ok(recipe) } else { Err(faults.0) }
+}
