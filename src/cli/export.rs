@@ -9,7 +9,7 @@ use clap::{
 use serde_json::json;
 
 use super::{
-    AnyTable, CommandFailure, Context, Exit, TableChoice, Threads, check_output_folder, listed, named, tabulated,
+    AnyTable, CommandFailure, Context, Exit, TableChoice, Threads, check_output_folder, listed, lut, named, tabulated,
     usage, write_in,
 };
 use ltcforge_files::{
@@ -91,6 +91,9 @@ fn precisions() -> impl TypedValueParser<Value = Precision> {
 /// Writes the files, and prints the steps to use them.
 pub(super) fn run(args: &ExportArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     check_output_folder(&args.out)?;
+    if let Some(read) = lut::read(&args.table)? {
+        return lut::export(args, &read, context);
+    }
     let AnyTable { path, digest, table, origin } = AnyTable::read(&args.table)?;
     let recipe = origin.recipe();
     let export = export_of(&args.choice)?;
@@ -202,6 +205,9 @@ fn text(args: &ExportArgs, files: &[TextureFile], compared: &[Compared], steps: 
     }
     for step in steps {
         let _ = writeln!(out, "{step}");
+    }
+    if matches!(args.choice.engine, Some(Engine::Three | Engine::Bevy)) {
+        out += "For the DFG table of this engine, fit the recipe dfg and export its table.\n";
     }
     out
 }

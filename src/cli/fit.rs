@@ -12,13 +12,14 @@ use indicatif::ProgressBar;
 use serde_json::json;
 
 use super::{
-    CommandFailure, Context, Exit, Interrupt, Threads, check_output_folder, failed, file_failure, input, progress,
+    CommandFailure, Context, Exit, Interrupt, Threads, check_output_folder, failed, file_failure, input, lut, progress,
     report::asymmetry_line, shown, table_file::TABLE_FOLDERS, tabulated, write_in,
 };
 use ltcforge_files::{
     container,
     digest::Digest,
     manifest::{manifest_of, table_report},
+    recipe_document::AnyRecipe,
     replace::replace_pair,
     tabulated::kept_name,
 };
@@ -46,7 +47,10 @@ const SHORT_DIGEST: usize = "sha256:".len() + 12;
 /// Fits a recipe and writes the table and its manifest.
 pub(super) fn run(args: &FitArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let document = input::recipe_document(&args.recipe)?;
-    let (recipe, brdf_file) = tabulated::recipe(&args.recipe, &document, args.entry_limit)?;
+    let (recipe, brdf_file) = match tabulated::any_recipe(&args.recipe, &document, args.entry_limit)? {
+        (AnyRecipe::Ltc(recipe), brdf_file) => (*recipe, brdf_file),
+        (AnyRecipe::Lut(recipe), _) => return lut::fit(args, &recipe, context),
+    };
     check_output_folder(&args.out)?;
     let pool = args.threads.pool()?;
 

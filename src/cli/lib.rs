@@ -21,6 +21,7 @@ mod light_picture;
 mod light_texture;
 mod lock;
 mod lookup;
+mod lut;
 mod out_of_range;
 mod output;
 mod pins;

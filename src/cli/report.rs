@@ -5,7 +5,7 @@ use std::{f64::consts::FRAC_PI_2, fmt::Write as _};
 use clap::Args;
 use serde_json::json;
 
-use super::{AnyTable, CommandFailure, Context, Exit, TableChoice, Threads, shown, tabulated};
+use super::{AnyTable, CommandFailure, Context, Exit, TableChoice, Threads, lut, shown, tabulated};
 use ltcforge_fit::{
     Asymmetry, Corner, LobeModel, Moved, PerAxis, Poor, Report, SecondReport, Spread, TermError, extremes,
 };
@@ -29,6 +29,9 @@ pub struct ReportArgs {
 
 /// Measures a table and prints the figures.
 pub(super) fn run(args: &ReportArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+    if let Some(read) = lut::read(&args.table)? {
+        return lut::report(args, &read, context);
+    }
     let read = AnyTable::read(&args.table)?;
     tabulated::check_complete(&read.table, &read.path)?;
     let measure = || (read.report(args.points), args.extremes.then(|| extremes(&read.table)));

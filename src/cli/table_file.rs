@@ -88,7 +88,7 @@ pub(super) fn check(
 }
 
 /// The digest in the name of a file.
-fn digest_in_name(path: &Path) -> Option<Digest> {
+pub(super) fn digest_in_name(path: &Path) -> Option<Digest> {
     path.file_name()?.to_str()?.split('.').next()?.parse().ok()
 }
 

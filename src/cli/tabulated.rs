@@ -20,7 +20,7 @@ use ltcforge_client::Client;
 use ltcforge_files::{
     container::TableFile,
     digest::Digest,
-    recipe_document::{self, DEFAULT_ENTRY_LIMIT, Fault, RecipeError},
+    recipe_document::{self, AnyRecipe, DEFAULT_ENTRY_LIMIT, Fault, RecipeError},
     strict::Strict,
     tabulated::{encode, kept_name, locate},
 };
@@ -71,11 +71,11 @@ fn folders(name: &Path) -> Vec<PathBuf> {
 ///
 /// # Errors
 /// All faults of the recipe and of the BRDF file.
-pub(super) fn recipe(
+pub(super) fn any_recipe(
     name: &Path,
     document: &[u8],
     entry_limit: Option<NonZeroU64>,
-) -> Result<(Recipe, Option<Vec<u8>>), CommandFailure> {
+) -> Result<(AnyRecipe, Option<Vec<u8>>), CommandFailure> {
     let folders = folders(name);
     let kept = RefCell::new(None);
     let find = |text: &str| {
@@ -84,8 +84,21 @@ pub(super) fn recipe(
         Ok(found.file)
     };
     let limit = entry_limit.map_or(DEFAULT_ENTRY_LIMIT, NonZeroU64::get);
-    let recipe = recipe_document::parse_with(document, limit, &find).map_err(|error| bad_recipe(name, error))?;
+    let recipe = recipe_document::parse_any(document, limit, &find).map_err(|error| bad_recipe(name, error))?;
     Ok((recipe, kept.into_inner()))
+}
+
+/// Like [`any_recipe`], for a command that takes only tables of linearly transformed cosines.
+///
+/// # Errors
+/// Like [`any_recipe`].
+pub(super) fn recipe(
+    name: &Path,
+    document: &[u8],
+    entry_limit: Option<NonZeroU64>,
+) -> Result<(Recipe, Option<Vec<u8>>), CommandFailure> {
+    let (recipe, bytes) = any_recipe(name, document, entry_limit)?;
+    Ok((recipe.only_ltc().map_err(|error| bad_recipe(name, error))?, bytes))
 }
 
 /// If the document names the file of a tabulated BRDF by its path, sends the file to the server and returns the

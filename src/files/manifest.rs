@@ -10,6 +10,7 @@ use super::{
     recipe_document,
     tabulated::{FindBrdf, no_files},
 };
+use ltcforge_fit::albedo::{LutRecipe, LutReport};
 use ltcforge_fit::{Asymmetry, GoOn, REPORT_VERSION, Recipe, Report, Table, report, report_points, report_while};
 
 /// The version of manifests, raised if a table's manifest changes.
@@ -83,6 +84,18 @@ pub fn manifest_json_while(
     file.find_brdf(find)?;
     let report = report_while(go_on, &file.table, &file.recipe.range, report_points(&file.recipe));
     report.map(|report| manifest_of(file_bytes, &file.table, &file.recipe, &report)).transpose()
+}
+
+/// The manifest of a lookup table, from its file and its report.
+///
+/// # Errors
+/// The report has numbers that are not finite.
+pub fn lut_manifest(file_bytes: &[u8], recipe: &LutRecipe, report: &LutReport) -> Result<String, serde_json::Error> {
+    let manifest = serde_json::json!({
+        "table": Digest::of(file_bytes), "recipe_digest": recipe_document::digest(recipe), "recipe": recipe,
+        "bytes": file_bytes.len(), "entries": recipe.entries(), "report": report, "exports": [],
+    });
+    Ok(serde_json::to_string_pretty(&manifest)? + "\n")
 }
 
 /// The mean error of a table between nodes.

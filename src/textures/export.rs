@@ -12,7 +12,7 @@ use ltcforge_fit::{Precision, Table};
 /// The name of a file that contains all textures, without its extension.
 pub(super) const STEM: &str = "ltc";
 /// The manifest's key for the name of an export that is not for an engine.
-const MANIFEST_KEY: &str = "export";
+pub(super) const MANIFEST_KEY: &str = "export";
 
 /// A set of files that can be made from a table. Its name is an engine, a compact form, or a layout, format and
 /// precision with dots between: `three`, `compact-js`, `ltc2017.ktx2.f16`.

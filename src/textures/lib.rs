@@ -17,6 +17,7 @@ mod file;
 mod halves;
 mod layouts;
 mod light;
+mod lut;
 mod recipe;
 mod rounding;
 mod texture;
@@ -37,5 +38,6 @@ pub use light::{
     LightTextureFiles, LightTextureOptions, MOST_PIXELS, PROFILE_FORMAT, PictureFormat, Primaries, Profile,
     ProfileError, TransferFunction, is_light_texture, light_texture, light_texture_files,
 };
+pub use lut::{LutExport, LutExportError};
 pub use rounding::{Rounded, RoundingError, round};
 pub use texture::{Texture, TextureError};

@@ -9,6 +9,7 @@ mod foreign_texts;
 mod light_textures;
 mod lights;
 mod listed;
+mod luts;
 mod lock_file;
 mod materials;
 mod outputs;

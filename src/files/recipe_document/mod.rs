@@ -53,6 +53,22 @@ pub enum AnyRecipe {
     Lut(LutRecipe),
 }
 
+impl AnyRecipe {
+    /// The recipe of a table of linearly transformed cosines.
+    ///
+    /// # Errors
+    /// The recipe is that of a lookup table.
+    pub fn only_ltc(self) -> Result<Recipe, RecipeError> {
+        match self {
+            Self::Ltc(recipe) => Ok(*recipe),
+            Self::Lut(LutRecipe { table, .. }) => {
+                let detail = format!("\"{table}\" is a lookup table; allowed here: \"ltc\"");
+                Err(RecipeError::Faults(vec![Fault { pointer: "/table".to_owned(), detail }]))
+            }
+        }
+    }
+}
+
 fn list(faults: &[Fault]) -> String {
     faults.iter().map(|fault| format!("{}: {}", fault.pointer, fault.detail)).collect::<Vec<_>>().join("; ")
 }
@@ -71,7 +87,7 @@ pub fn parse(json: &[u8], entry_limit: u64) -> Result<Recipe, RecipeError> {
 /// # Errors
 /// Like [`parse`]; errors of the file belong to the field `tabulated`.
 pub fn parse_with(json: &[u8], entry_limit: u64, find: &FindBrdf<'_>) -> Result<Recipe, RecipeError> {
-    only_ltc(parse_any(json, entry_limit, find)?)
+    parse_any(json, entry_limit, find)?.only_ltc()
 }
 
 /// Like [`parse_with`], for recipes of both kinds.
@@ -82,22 +98,12 @@ pub fn parse_any(json: &[u8], entry_limit: u64, find: &FindBrdf<'_>) -> Result<A
     read(json, entry_limit, FITTER_VERSION..=FITTER_VERSION, find)
 }
 
-fn only_ltc(recipe: AnyRecipe) -> Result<Recipe, RecipeError> {
-    match recipe {
-        AnyRecipe::Ltc(recipe) => Ok(*recipe),
-        AnyRecipe::Lut(recipe) => Err(RecipeError::Faults(vec![Fault {
-            pointer: "/table".to_owned(),
-            detail: format!("\"{}\" is a lookup table; this command takes \"ltc\"", recipe.table),
-        }])),
-    }
-}
-
 /// Reads the recipe of a stored table, which may come from an older fitter. The file of a tabulated BRDF is not read.
 ///
 /// # Errors
 /// Like [`parse`].
 pub fn parse_stored(json: &[u8]) -> Result<Recipe, RecipeError> {
-    only_ltc(parse_any_stored(json)?)
+    parse_any_stored(json)?.only_ltc()
 }
 
 /// Like [`parse_stored`], for recipes of both kinds.

@@ -140,6 +140,7 @@ impl From<ExportFailure> for Problem {
                 let recipe = error.recipe().and_then(|recipe| serde_json::from_str::<Value>(recipe).ok());
                 recipe.into_iter().fold(problem, Self::with_recipe)
             }
+            ExportFailure::Lut(_) => Self::new(ProblemKind::CannotExport, detail),
             ExportFailure::TooLarge(..) => Self::new(ProblemKind::TooExpensive, detail),
             ExportFailure::QueueFull(_, after) => Self::new(ProblemKind::QueueFull, detail).with_retry_after(after),
             ExportFailure::Store(error) => error.into(),
@@ -152,6 +153,7 @@ impl From<ServiceError> for Problem {
         let kind = match error {
             ServiceError::Stopping => return stopping(),
             ServiceError::Lacking(_) => return lacking(error.to_string()),
+            ServiceError::LookupTable(_) => return Self::new(ProblemKind::BadParameter, error.to_string()),
             ServiceError::Corrupt(_) => ProblemKind::DamagedBlob,
             ServiceError::DiskFull => ProblemKind::DiskFull,
             ServiceError::Unavailable(_) => ProblemKind::Unavailable,

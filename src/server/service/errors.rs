@@ -71,6 +71,9 @@ pub enum ServiceError {
     /// The machine is temporarily short of threads, memory or file descriptors.
     #[error("the machine is temporarily short of a resource: {0}")]
     Lacking(String),
+    /// The request is for another kind of table.
+    #[error("{0} is a lookup table, but this request is for tables of linearly transformed cosines")]
+    LookupTable(Digest),
     /// Any other error of the storage.
     #[error("storage: {0}")]
     Storage(String),

@@ -14,7 +14,7 @@ use tokio::sync::Semaphore;
 
 use super::ServiceError;
 use ltcforge_files::digest::Digest;
-use ltcforge_textures::{Bundle, Export, ExportError, RoundingError, TextureFile};
+use ltcforge_textures::{Bundle, Export, ExportError, LutExportError, RoundingError, TextureFile};
 
 /// Maximum number of waiting requests for exports. One export is made at a time, so that only one table is decoded in
 /// memory.
@@ -60,6 +60,9 @@ pub enum ExportFailure {
     /// The table does not support this export.
     #[error(transparent)]
     Refused(#[from] ExportError),
+    /// The lookup table does not support this export.
+    #[error(transparent)]
+    Lut(#[from] LutExportError),
     /// The table has too many entries. The values are their number, and the limit.
     #[error("the table has {0} entries, and the service exports tables of at most {1}; use `ltcforge export` instead")]
     TooLarge(usize, usize),

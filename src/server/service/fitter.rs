@@ -1,6 +1,6 @@
 //! Parses each recipe once, and keeps its plan under the recipe's digest.
 
-use std::{cell::RefCell, sync::Arc};
+use std::{cell::RefCell, ops::ControlFlow, sync::Arc};
 
 use quick_cache::sync::Cache;
 
@@ -10,14 +10,15 @@ use crate::{
     store::{Blobs, StoreError},
 };
 use ltcforge_files::{
-    container::{self, TableFile, TableFileError},
+    container::{self, AnyFile, LutFile, TableFile, TableFileError, decode_any, encode_lut},
     digest::Digest,
-    manifest::{manifest_json_while, mean_error},
-    recipe_document,
+    manifest::{lut_manifest, manifest_json_while, mean_error},
+    recipe_document::{self, AnyRecipe},
     tabulated::{TabulatedError, decode},
 };
+use ltcforge_fit::albedo::{LutPlan, MeasuredLut};
 use ltcforge_fit::{self as fit, BrdfModel, Expectation, FITTER_VERSION, GoOn, Plan, Recipe, Solver, TabulatedFile};
-use ltcforge_textures::{About, Bundle, Export};
+use ltcforge_textures::{About, Bundle, Export, LutExport, LutExportError};
 
 /// Number of plans that are kept in memory, because workers alternate between the shards of several jobs.
 const PLANS: usize = 64;
@@ -30,23 +31,60 @@ const MOST_EXPORTED: usize = 500_000;
 #[derive(Debug)]
 pub(super) struct PlannedRecipe {
     /// The plan, without the numbers of a tabulated BRDF.
-    plan: Plan,
+    plan: AnyPlan,
     /// The predicted seconds on one thread of the cost model's machine, and the predicted error.
     pub(super) expectation: Expectation,
 }
 
+/// The plan of a table of either kind.
+#[derive(Debug, Clone)]
+pub(super) enum AnyPlan {
+    /// Of a table of linearly transformed cosines.
+    Ltc(Box<Plan>),
+    /// Of a lookup table.
+    Lut(LutPlan),
+}
+
+impl AnyPlan {
+    fn entries(&self) -> u64 {
+        match self {
+            Self::Ltc(plan) => plan.entries(),
+            Self::Lut(plan) => plan.recipe().entries(),
+        }
+    }
+
+    /// Fits a shard and encodes its result; `None` if `on_progress` stops it.
+    pub(super) fn fit_shard(&self, shard: u32, on_progress: &mut dyn FnMut(u64) -> ControlFlow<()>) -> Option<Vec<u8>> {
+        match self {
+            Self::Ltc(plan) => Some(fit::shard_to_bytes(&fit::fit_shard(plan, shard, on_progress)?)),
+            Self::Lut(plan) => {
+                let values = plan.fit_shard(shard, on_progress)?;
+                Some(values.into_iter().flat_map(f64::to_le_bytes).collect())
+            }
+        }
+    }
+}
+
 impl PlannedRecipe {
-    pub(super) fn solver(&self) -> Solver {
-        self.plan.recipe().fit().solver
+    /// The solver; `None` for a lookup table, which has none.
+    pub(super) fn solver(&self) -> Option<Solver> {
+        match &self.plan {
+            AnyPlan::Ltc(plan) => Some(plan.recipe().fit().solver),
+            AnyPlan::Lut(_) => None,
+        }
     }
 
     pub(super) fn shards(&self) -> u32 {
-        self.plan.shards()
+        match &self.plan {
+            AnyPlan::Ltc(plan) => plan.shards(),
+            AnyPlan::Lut(plan) => plan.shards(),
+        }
     }
 
     /// The fraction of all entries that a shard contains.
     pub(super) fn part(&self, shard: u32) -> f64 {
-        let range = self.plan.shard_entries(shard);
+        let AnyPlan::Ltc(plan) = &self.plan else { return 1.0 / f64::from(self.shards()) };
+        let range = plan.shard_entries(shard);
         (range.end - range.start) as f64 / self.plan.entries().max(1) as f64
     }
 }
@@ -91,7 +129,7 @@ impl Fitter {
                 lines
             })
         };
-        let parsed = recipe_document::parse_with(document, entry_limit, &find);
+        let parsed = recipe_document::parse_any(document, entry_limit, &find);
         if let Some(error) = failed.into_inner() {
             return Err(ServiceError::from(error).into());
         }
@@ -110,17 +148,27 @@ impl Fitter {
     /// The plan of a canonical recipe. A recipe of another fitter version is an error.
     pub(super) fn planned(&self, digest: Digest, recipe: &str) -> Result<Arc<PlannedRecipe>, String> {
         self.plans.get_or_insert_with(&digest, || {
-            let parsed = recipe_document::parse_stored(recipe.as_bytes())
+            let parsed = recipe_document::parse_any_stored(recipe.as_bytes())
                 .map_err(|error| format!("the stored recipe is invalid: {error}"))?;
-            if parsed.fitter != FITTER_VERSION {
+            let fitter = match &parsed {
+                AnyRecipe::Ltc(recipe) => recipe.fitter,
+                AnyRecipe::Lut(recipe) => recipe.fitter,
+            };
+            if fitter != FITTER_VERSION {
                 // Shards of two fitters must not be mixed in one table.
                 return Err(format!(
-                    "the recipe is for fitter {}, but this is fitter {FITTER_VERSION}; submit the recipe again",
-                    parsed.fitter
+                    "the recipe is for fitter {fitter}, but this is fitter {FITTER_VERSION}; submit the recipe again"
                 ));
             }
-            let expectation = fit::expectation(&parsed);
-            Ok(Arc::new(PlannedRecipe { plan: Plan::new(&parsed), expectation }))
+            Ok(Arc::new(match &parsed {
+                AnyRecipe::Ltc(parsed) => {
+                    let plan = AnyPlan::Ltc(Box::new(Plan::new(parsed)));
+                    PlannedRecipe { plan, expectation: fit::expectation(parsed) }
+                }
+                AnyRecipe::Lut(recipe) => {
+                    PlannedRecipe { plan: AnyPlan::Lut(LutPlan::new(recipe)), expectation: recipe.expectation() }
+                }
+            }))
         })
     }
 
@@ -128,11 +176,12 @@ impl Fitter {
     ///
     /// # Errors
     /// When the recipe is for another fitter version, or its BRDF cannot be read.
-    pub(super) fn plan(&self, digest: Digest, recipe: &str) -> Result<Plan, LoadError> {
+    pub(super) fn plan(&self, digest: Digest, recipe: &str) -> Result<AnyPlan, LoadError> {
         let planned = self.planned(digest, recipe).map_err(LoadError::Failed)?;
-        let Some(name) = planned.plan.recipe().model().file() else { return Ok(planned.plan.clone()) };
+        let AnyPlan::Ltc(plan) = &planned.plan else { return Ok(planned.plan.clone()) };
+        let Some(name) = plan.recipe().model().file() else { return Ok(planned.plan.clone()) };
         let brdf = BrdfModel::tabulated(self.brdf(&name.to_string())?);
-        Ok(Plan::new(&Recipe { brdf, ..planned.plan.recipe().clone() }))
+        Ok(AnyPlan::Ltc(Box::new(Plan::new(&Recipe { brdf, ..plan.recipe().clone() }))))
     }
 
     /// The tabulated BRDF named `name`, which must be a digest.
@@ -157,8 +206,10 @@ impl Fitter {
 
     /// The canonical recipe in a table file, and the recipe's digest. `None` if `file` is not a table.
     pub(super) fn recognise(file: &[u8]) -> Option<(String, Digest)> {
-        let table = container::decode(file).ok()?;
-        let text = recipe_document::canonical_json(&table.recipe);
+        let text = match decode_any(file).ok()? {
+            AnyFile::Ltc(table) => recipe_document::canonical_json(&table.recipe),
+            AnyFile::Lut(table) => recipe_document::canonical_json(&table.recipe),
+        };
         let digest = Digest::of(text.as_bytes());
         Some((text, digest))
     }
@@ -167,7 +218,11 @@ impl Fitter {
     ///
     /// # Errors
     /// The first invalid result.
-    pub(super) fn assemble(plan: &Plan, results: &[Vec<u8>]) -> Result<Vec<u8>, String> {
+    pub(super) fn assemble(plan: &AnyPlan, results: &[Vec<u8>]) -> Result<Vec<u8>, String> {
+        let plan = match plan {
+            AnyPlan::Ltc(plan) => plan,
+            AnyPlan::Lut(plan) => return assemble_lut(plan, results),
+        };
         let mut fitted = Vec::new();
         for (shard, result) in (0..).zip(results) {
             fitted
@@ -182,11 +237,20 @@ impl Fitter {
 
     /// Measures a table and makes its manifest, on the current rayon pool. `None` if `go_on` stops it.
     pub(super) fn manifest(&self, file: &[u8], go_on: &GoOn) -> Result<Option<String>, TableFileError> {
+        if let Ok(AnyFile::Lut(LutFile { recipe, lut })) = decode_any(file) {
+            let report = MeasuredLut::new(&recipe).report(&lut);
+            return lut_manifest(file, &recipe, &report)
+                .map(Some)
+                .map_err(|error| TableFileError::Container(error.to_string()));
+        }
         manifest_json_while(go_on, file, &|name| self.brdf(name).map_err(|error| vec![error.to_string()]))
     }
 
     /// Decodes a table's file, and adds its tabulated BRDF if the BRDF is stored.
     pub(super) fn table(&self, digest: Digest, file: &[u8]) -> Result<TableFile, ServiceError> {
+        if let Ok(AnyFile::Lut(_)) = decode_any(file) {
+            return Err(ServiceError::LookupTable(digest));
+        }
         let mut file =
             container::decode(file).map_err(|error| ServiceError::Storage(format!("the blob {digest}: {error}")))?;
         // A missing BRDF is an error only for callers that need it.
@@ -196,6 +260,11 @@ impl Fitter {
 
     /// The exports that the layout of a table allows.
     pub(super) fn exports(&self, digest: Digest, file: &[u8]) -> Result<Vec<Export>, ExportFailure> {
+        if let Ok(AnyFile::Lut(LutFile { recipe, .. })) = decode_any(file) {
+            return Ok(Export::all()
+                .filter(|export| lut_export(*export).is_some_and(|of| of.recipe(&recipe).is_ok()))
+                .collect());
+        }
         let table = self.table(digest, file)?.table;
         Ok(Export::all().filter(|export| export.layout(&table).is_ok()).collect())
     }
@@ -208,6 +277,10 @@ impl Fitter {
         manifest: &str,
         export: Export,
     ) -> Result<Bundle, ExportFailure> {
+        if let Ok(AnyFile::Lut(of)) = decode_any(file) {
+            let unknown = || LutExportError::Unknown(export.to_string());
+            return Ok(lut_export(export).ok_or_else(unknown)?.bundle(&of, digest)?);
+        }
         let TableFile { table, recipe } = self.table(digest, file)?;
         let entries = table.matrix.len();
         if entries > MOST_EXPORTED {
@@ -216,4 +289,20 @@ impl Fitter {
         let error = mean_error(manifest).map_err(|error| ServiceError::Storage(error.to_string()))?;
         Ok(export.bundle(&table, About::of_table(digest, Some(&recipe), Some(error)))?)
     }
+}
+
+/// Solves for the texels of a lookup table, and returns its file.
+fn assemble_lut(plan: &LutPlan, results: &[Vec<u8>]) -> Result<Vec<u8>, String> {
+    let mut values = Vec::new();
+    for (shard, result) in (0..).zip(results) {
+        values.extend(plan.shard_from_bytes(shard, result).map_err(|error| format!("shard {shard}: {error}"))?);
+    }
+    let file = encode_lut(plan.recipe(), &plan.assemble(&values)).map_err(|error| error.to_string())?;
+    decode_any(&file).map_err(|error| error.to_string())?;
+    Ok(file)
+}
+
+/// The export of a lookup table for the same engine.
+fn lut_export(export: Export) -> Option<LutExport> {
+    if let Export::Engine(engine) = export { Some(LutExport::Engine(engine)) } else { None }
 }

@@ -27,8 +27,8 @@ pub struct Expected {
 #[derive(Debug)]
 pub(super) struct Forecast {
     workers: NonZeroUsize,
-    /// The speed for each solver, because solvers do different work.
-    speeds: Mutex<Vec<(Solver, Speed)>>,
+    /// The speed for each solver, because solvers do different work. Lookup tables have no solver.
+    speeds: Mutex<Vec<(Option<Solver>, Speed)>>,
 }
 
 /// Predicted and measured seconds on one thread for the latest shards.
@@ -46,7 +46,8 @@ const MEMORY_SECONDS: f64 = 60.0;
 impl Forecast {
     pub(super) fn new(workers: NonZeroUsize) -> Self {
         let prior = Speed { predicted: PRIOR_SECONDS, measured: PRIOR_SECONDS };
-        Self { workers, speeds: Mutex::new(Solver::ALL.iter().map(|solver| (*solver, prior)).collect()) }
+        let speeds = Solver::ALL.iter().copied().map(Some).chain([None]).map(|solver| (solver, prior));
+        Self { workers, speeds: Mutex::new(speeds.collect()) }
     }
 
     /// The forecast for a recipe if all workers fit it.
@@ -71,7 +72,7 @@ impl Forecast {
     }
 
     /// Measured seconds per predicted second.
-    fn ratio(&self, solver: Solver) -> f64 {
+    fn ratio(&self, solver: Option<Solver>) -> f64 {
         let speeds = self.speeds.lock().unwrap_or_else(PoisonError::into_inner);
         speeds.iter().find(|(of, _)| *of == solver).map_or(1.0, |(_, speed)| speed.measured / speed.predicted)
     }

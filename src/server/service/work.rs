@@ -24,7 +24,6 @@ use crate::{
     store::StoreError,
 };
 use ltcforge_files::manifest::MANIFEST_VERSION;
-use ltcforge_fit as fit;
 
 /// How long an idle worker waits before it asks the queue again.
 const IDLE: Duration = Duration::from_millis(500);
@@ -167,9 +166,9 @@ impl State {
             }
             ControlFlow::Continue(())
         };
-        let fitted = fit::fit_shard(&plan, shard, &mut on_progress).ok_or(TaskError::Stopped)?;
+        let fitted = plan.fit_shard(shard, &mut on_progress).ok_or(TaskError::Stopped)?;
         self.forecast.learn(&planned, planned.part(shard), started.elapsed().as_secs_f64());
-        let done = [(task.lease, fit::shard_to_bytes(&fitted))];
+        let done = [(task.lease, fitted)];
         let answers = self.retried(task, || self.queue.complete(&done))?;
         answers.into_iter().collect::<Result<(), _>>().map_err(|StaleLease| TaskError::Stopped)
     }

@@ -66,7 +66,7 @@ pub(super) fn sides(stored: &Stored<'_>) -> [(&'static str, usize); 5] {
 }
 
 /// The numbers as code. `single` formats floats, and halves are written as their bits.
-pub(super) fn numbers(stored: &Stored<'_>, single: impl Fn(f32) -> String) -> String {
+pub(crate) fn numbers(stored: &Stored<'_>, single: impl Fn(f32) -> String) -> String {
     match stored.rounded.precision {
         Precision::F32 => stored.rows(single),
         Precision::F16 => stored.rows(|x| f16::from_f32_const(x).to_bits().to_string()),

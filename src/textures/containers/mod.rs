@@ -16,6 +16,7 @@ mod rules;
 mod rust_module;
 
 pub(super) use self::{
+    c_header::numbers,
     dds::dx10,
     ktx2::{IDENTIFIER as KTX2_IDENTIFIER, Ktx2File, Sample, encode as ktx2, float_samples, vk_format},
     rules::{Stored, rounding_of, stored},

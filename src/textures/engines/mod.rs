@@ -15,6 +15,7 @@ mod three;
 mod wgpu;
 
 use self::rules::Source;
+pub(super) use self::rules::file;
 use super::{about::About, bundle::Bundle, file::TextureFileError, texture::Texture};
 use ltcforge_fit::{BrdfKind, named_list};
 

@@ -1,0 +1,159 @@
+//! Lookup tables in `fit`, `report` and `export`.
+
+use std::{
+    fmt::Write as _,
+    ops::ControlFlow,
+    path::{Path, PathBuf},
+    time::Instant,
+};
+
+use serde_json::{Value, json};
+
+use super::{
+    CommandFailure, Context, Exit, TableChoice, check_output_folder, export::ExportArgs, failed, file_failure,
+    fit::FitArgs, listed, mismatch, progress, report::ReportArgs, shown, table_file, table_path, usage, write_in,
+};
+use ltcforge_files::{
+    container::{AnyFile, LutFile, decode_any, encode_lut},
+    digest::Digest,
+    manifest::lut_manifest,
+    replace::replace_pair,
+};
+use ltcforge_fit::{
+    Precision,
+    albedo::{LutError, LutPlan, LutRecipe, LutReport, MeasuredLut, fit_lut},
+};
+use ltcforge_textures::{Bundle, LutExport, LutExportError, TextureContainer};
+
+/// Computes a lookup table, and writes the table and its manifest.
+pub(super) fn fit(args: &FitArgs, recipe: &LutRecipe, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+    check_output_folder(&args.out)?;
+    let pool = args.threads.pool()?;
+    let started = Instant::now();
+    let lut = pool.install(|| {
+        let bar = progress::bar(context.draws_progress, recipe.entries());
+        let lut = fit_lut(&LutPlan::new(recipe), &|done| {
+            bar.update(|bar| bar.set_pos(bar.pos().max(done)));
+            if context.interrupt.is_set() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        bar.finish_and_clear();
+        lut.ok_or_else(CommandFailure::interrupted)
+    })?;
+    let fit_seconds = started.elapsed().as_secs_f64();
+    let bytes = encode_lut(recipe, &lut).map_err(failed)?;
+    let digest = Digest::of(&bytes);
+    let report = pool.install(|| MeasuredLut::new(recipe).report(&lut));
+    let manifest = lut_manifest(&bytes, recipe, &report).map_err(failed)?;
+    let [table, manifest_path] =
+        ["safetensors", "manifest.json"].map(|extension| args.out.join(format!("{}.{extension}", digest.hex())));
+    replace_pair((&table, &bytes), (&manifest_path, manifest.as_bytes()))
+        .map_err(|error| file_failure(&error.path, &error.source))?;
+    let next = [format!("ltcforge report {}", shown(&table))];
+    let value = json!({
+        "table": digest, "file": shown(&table), "manifest": shown(&manifest_path), "bytes": bytes.len(),
+        "seconds": started.elapsed().as_secs_f64(), "fit_seconds": fit_seconds,
+        "error": report.stored, "next": next,
+    });
+    context.print(&value, &format!("{}\n{digest}", table.display()))?;
+    if !context.json {
+        eprintln!("{} texels in {fit_seconds:.2} s", recipe.entries());
+        eprintln!("error after linear filtering: {}", figures(&report.stored));
+        eprintln!("next: {}", next[0]);
+    }
+    Ok(Exit::Ok)
+}
+
+/// A lookup table, if `choice` is one.
+pub(super) fn read(choice: &TableChoice) -> Result<Option<(PathBuf, Digest, LutFile)>, CommandFailure> {
+    let path = table_path(&choice.table, choice.folder.tables.as_deref())?;
+    let bytes = table_file::read(&path, choice.folder.limit.table_limit)?;
+    // Other files have errors of their own.
+    let Ok(AnyFile::Lut(file)) = decode_any(&bytes) else { return Ok(None) };
+    let digest = Digest::of(&bytes);
+    if let Some(expected) = table_file::digest_in_name(&path).filter(|expected| *expected != digest) {
+        return Err(mismatch(&path, format!("the file has digest {digest}, expected {expected}")));
+    }
+    Ok(Some((path, digest, file)))
+}
+
+/// Prints the errors of a lookup table.
+pub(super) fn report(
+    args: &ReportArgs,
+    (path, digest, file): &(PathBuf, Digest, LutFile),
+    context: &mut Context<'_>,
+) -> Result<Exit, CommandFailure> {
+    if args.points.is_some() || args.extremes {
+        return Err(usage("--points and --extremes are for tables of linearly transformed cosines: leave them out"));
+    }
+    let report = args.threads.pool()?.install(|| MeasuredLut::new(&file.recipe).report(&file.lut));
+    let value = json!({
+        "file": shown(path), "digest": digest, "table": file.recipe.table,
+        "resolution": file.recipe.resolution, "report": report,
+    });
+    context.print(&value, text(path, &file.recipe, &report).trim_end())
+}
+
+fn text(path: &Path, recipe: &LutRecipe, report: &LutReport) -> String {
+    let size = recipe.resolution;
+    let mut out = format!(
+        "{}\ntable {} of {}, {} x {} texels (roughness x cos theta)\n\nerror after linear filtering at {} places:\n",
+        path.display(),
+        recipe.table,
+        recipe.brdf,
+        size.roughness,
+        size.cos_theta,
+        report.places
+    );
+    // Writing to a String cannot fail.
+    let _ = writeln!(out, "stored                  {}", figures(&report.stored));
+    let _ = writeln!(out, "exact values in texels  {}", figures(&report.sampled));
+    for (format, error) in &report.formats {
+        let _ = writeln!(out, "as {format:<20} {}", figures(error));
+    }
+    out
+}
+
+fn figures(error: &LutError) -> String {
+    format!("mean {:.5}, p95 {:.5}, max {:.5}", error.mean, error.p95, error.max)
+}
+
+/// The export that the options choose.
+fn export_of(args: &ExportArgs) -> Result<LutExport, CommandFailure> {
+    let choice = &args.choice;
+    if let Some(layout) = &choice.layout {
+        return Err(usage(format!("--layout {layout} is for tables of linearly transformed cosines: leave it out")));
+    }
+    let Some(name) = &choice.container else {
+        if choice.precision.is_some() {
+            return Err(usage("--for has its own precision: leave out --precision"));
+        }
+        return choice.engine.map(LutExport::Engine).ok_or_else(|| usage("use --for ENGINE or --container NAME"));
+    };
+    let container = TextureContainer::from_name(name).ok_or_else(|| usage(LutExportError::Unknown(name.clone())))?;
+    Ok(LutExport::Textures { container, precision: choice.precision.unwrap_or(Precision::F32) })
+}
+
+/// Writes a lookup table as files.
+pub(super) fn export(
+    args: &ExportArgs,
+    (_, digest, file): &(PathBuf, Digest, LutFile),
+    context: &mut Context<'_>,
+) -> Result<Exit, CommandFailure> {
+    let export = export_of(args)?;
+    export.recipe(&file.recipe).map_err(usage)?;
+    let Bundle { files, steps } = args.threads.pool()?.install(|| export.bundle(file, *digest)).map_err(usage)?;
+    let mut out = String::new();
+    let mut list: Vec<Value> = Vec::new();
+    for file in &files {
+        let path = write_in(&args.out, &file.path, &file.bytes)?;
+        let mut value = listed(&path, &file.bytes);
+        value["rounding"] = json!(file.rounding);
+        list.push(value);
+        let _ = writeln!(out, "{}  {} bytes", path.display(), file.bytes.len());
+    }
+    steps.iter().for_each(|step| out += &format!("{step}\n"));
+    let value = json!({
+        "table": digest, "for": args.choice.engine, "container": args.choice.container, "files": list, "steps": steps,
+    });
+    context.print(&value, out.trim_end())
+}

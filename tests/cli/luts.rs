@@ -1,0 +1,29 @@
+//! Lookup tables with the binary.
+
+use std::fs;
+
+use ltcforge::Digest;
+use serde_json::Value;
+
+use crate::common::command::{run, run_with_stdin};
+
+#[test]
+fn a_dfg_table_is_fitted_measured_and_exported() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let fitted = run(folder.path(), ["fit", "dfg", "-o", "tables"]).exited(0);
+    let digest: Digest = fitted.last_line().parse().expect("a digest");
+    let again = run_with_stdin(folder.path(), ["fit", "-", "-o", "again"], r#"{"table": "dfg"}"#).exited(0);
+    assert_eq!(again.last_line(), digest.to_string());
+    let name = digest.hex()[..12].to_owned();
+    let report = run(folder.path(), ["--json", "report", name.as_str()]).exited(0);
+    let report: Value = serde_json::from_str(&report.stdout).expect("JSON");
+    let error = &report["report"]["stored"];
+    assert!(error["mean"].as_f64() < Some(3e-4) && error["max"].as_f64() < Some(4e-3), "{report}");
+    run(folder.path(), ["export", name.as_str(), "--for", "bevy", "-o", "brdf"]).exited(0);
+    assert!(fs::read(folder.path().join("brdf/dfg.ktx2")).expect("a file").starts_with(b"\xabKTX 20\xbb"));
+    run(folder.path(), ["export", name.as_str(), "--container", "npy", "--precision", "half", "-o", "npy"]).exited(0);
+    let refused = run(folder.path(), ["export", name.as_str(), "--for", "godot", "-o", "godot"]).exited(2);
+    assert!(refused.stderr.contains("three, bevy") && refused.stderr.contains("ktx2"), "{}", refused.stderr);
+    let refused = run(folder.path(), ["preview", name.as_str(), "-o", "sphere.png"]).exited(2);
+    assert!(refused.stderr.contains("lookup table"), "{}", refused.stderr);
+}
