@@ -12,7 +12,7 @@ use ltcforge_client::TABLE_BYTES;
 use ltcforge_files::{
     bounded::{read_named, read_stream},
     compact::{self, COMPACT_MAGIC},
-    container::{NPY_MAGIC, NpyTable, TableFile, decode_npy},
+    container::{AnyFile, NPY_MAGIC, NpyTable, TableFile, decode_npy},
     digest::Digest,
     text::{other_form, without_mark},
 };
@@ -107,9 +107,13 @@ impl AnyTable {
         }
         let is_npy = bytes.starts_with(NPY_MAGIC) || path.extension().is_some_and(|extension| extension == "npy");
         if !is_npy {
-            let (digest, mut file) = table_file::check(&path, &bytes, None)?;
+            let (digest, file) = table_file::check(&path, &bytes, None)?;
+            let AnyFile::Ltc(mut file) = file else {
+                let why = "is a lookup table; this command is for tables of linearly transformed cosines";
+                return Err(usage(format!("{} {why}", path.display())));
+            };
             tabulated::attach(&mut file, &path);
-            let TableFile { table, recipe } = file;
+            let TableFile { table, recipe } = *file;
             return Ok(Self { path, digest, table, origin: Origin::Recipe(recipe) });
         }
         let NpyTable { table, range } = decode_npy(&bytes)

@@ -61,7 +61,7 @@ use export::ExportChoice;
 use input::{AnyTable, TableChoice, TableFolder, TableLimit};
 use out_of_range::{Clamped, clamped};
 use output::{OutputFile, check_output_folder, listed, write_in};
-use pins::{Fitting, Measured, asked_by, export_of, of_pin};
+use pins::{Fitting, Measured, asked_by, name_of, of_pin};
 use sources::{SourceArgs, Sources};
 use table_file::table_path;
 use values::{Threads, named};

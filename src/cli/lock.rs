@@ -17,7 +17,7 @@ use ltcforge_client::{
     read_text, with_pins,
 };
 use ltcforge_files::{
-    container::TableFile,
+    container::AnyFile,
     digest::Digest,
     recipe_document,
     replace::{folder_of, replace_file},
@@ -84,7 +84,7 @@ struct Planned {
 /// A table and where it was found.
 struct Found {
     digest: Digest,
-    file: TableFile,
+    file: AnyFile,
     bytes: Vec<u8>,
     /// Whether the table came from a source.
     from_source: bool,
@@ -272,7 +272,7 @@ impl Locking<'_, '_> {
     /// Completes a pin, and returns the table and the exported files.
     fn pin(&self, pin: &mut Pin) -> Result<Vec<Planned>, CommandFailure> {
         let Found { digest, file, bytes, from_source } = self.find(pin)?;
-        let recipe = recipe_document::canonical_json(&file.recipe);
+        let recipe = file.recipe_json();
         (pin.digest, pin.bytes, pin.recipe) = (digest, Some(bytes.len() as u64), Some(recipe));
         if from_source {
             let servers = self.sources.chosen().iter().filter(|source| matches!(source, Source::Server(_)));

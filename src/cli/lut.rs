@@ -10,8 +10,9 @@ use std::{
 use serde_json::{Value, json};
 
 use super::{
-    CommandFailure, Context, Exit, TableChoice, check_output_folder, export::ExportArgs, failed, file_failure,
-    fit::FitArgs, listed, mismatch, progress, report::ReportArgs, shown, table_file, table_path, usage, write_in,
+    CommandFailure, Context, Exit, Interrupt, TableChoice, check_output_folder, export::ExportArgs, failed,
+    file_failure, fit::FitArgs, listed, mismatch, progress, report::ReportArgs, shown, table_file, table_path, usage,
+    write_in,
 };
 use ltcforge_files::{
     container::{AnyFile, LutFile, decode_any, encode_lut},
@@ -30,15 +31,8 @@ pub(super) fn fit(args: &FitArgs, recipe: &LutRecipe, context: &mut Context<'_>)
     check_output_folder(&args.out)?;
     let pool = args.threads.pool()?;
     let started = Instant::now();
-    let lut = pool.install(|| {
-        let bar = progress::bar(context.draws_progress, recipe.entries());
-        let lut = fit_lut(&LutPlan::new(recipe), &|done| {
-            bar.update(|bar| bar.set_pos(bar.pos().max(done)));
-            if context.interrupt.is_set() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        });
-        bar.finish_and_clear();
-        lut.ok_or_else(CommandFailure::interrupted)
-    })?;
+    let (draws, interrupt) = (context.draws_progress, &context.interrupt);
+    let LutFile { lut, .. } = pool.install(|| fit_alone(recipe, draws, interrupt))?;
     let fit_seconds = started.elapsed().as_secs_f64();
     let bytes = encode_lut(recipe, &lut).map_err(failed)?;
     let digest = Digest::of(&bytes);
@@ -61,6 +55,18 @@ pub(super) fn fit(args: &FitArgs, recipe: &LutRecipe, context: &mut Context<'_>)
         eprintln!("next: {}", next[0]);
     }
     Ok(Exit::Ok)
+}
+
+/// Computes a lookup table on the current rayon pool, with its own progress bar, and returns its file.
+pub(super) fn fit_alone(recipe: &LutRecipe, draws: bool, interrupt: &Interrupt) -> Result<LutFile, CommandFailure> {
+    let bar = progress::bar(draws, recipe.entries());
+    let lut = fit_lut(&LutPlan::new(recipe), &|done| {
+        // Threads may report out of order, but the bar must not move backwards.
+        bar.update(|bar| bar.set_pos(bar.pos().max(done)));
+        if interrupt.is_set() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    bar.finish_and_clear();
+    Ok(LutFile { recipe: *recipe, lut: lut.ok_or_else(CommandFailure::interrupted)? })
 }
 
 /// A lookup table, if `choice` is one.

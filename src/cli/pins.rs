@@ -10,16 +10,16 @@ use super::{
     export::{self},
     failed,
     fit::fit_alone,
-    tabulated, usage,
+    lut, tabulated, usage,
 };
 use ltcforge_client::{ExportPin, FilePin, Pin};
 use ltcforge_files::{
-    container::{self, TableFile},
+    container::{self, AnyFile, LutFile, TableFile, encode_lut},
     digest::Digest,
     manifest::MeanError,
+    recipe_document::AnyRecipe,
 };
-use ltcforge_fit::Recipe;
-use ltcforge_textures::{About, Export, TextureFile, UnknownExport};
+use ltcforge_textures::{About, Export, LutExport, LutExportError, TextureFile, UnknownExport};
 
 /// Settings for fitting tables.
 #[derive(Debug, Clone, Copy)]
@@ -40,39 +40,57 @@ impl<'a> Fitting<'a> {
     ///
     /// # Errors
     /// The faults of the recipe. It is also a fault if the recipe names another fitter version.
-    pub(super) fn recipe(&self, name: &Path, document: &[u8]) -> Result<Recipe, CommandFailure> {
-        tabulated::recipe(name, document, self.entry_limit).map(|(recipe, _)| recipe)
+    pub(super) fn recipe(&self, name: &Path, document: &[u8]) -> Result<AnyRecipe, CommandFailure> {
+        tabulated::any_recipe(name, document, self.entry_limit).map(|(recipe, _)| recipe)
     }
 
     /// Fits a recipe and returns the table's file.
     ///
     /// # Errors
     /// When no threads can be started, or the user stops the fit.
-    pub(super) fn fit(&self, recipe: &Recipe) -> Result<Vec<u8>, CommandFailure> {
-        let table = self.threads.pool()?.install(|| fit_alone(recipe, self.draws_progress, self.interrupt))?;
-        container::encode(recipe, &table).map_err(failed)
+    pub(super) fn fit(&self, recipe: &AnyRecipe) -> Result<Vec<u8>, CommandFailure> {
+        let (pool, draws, interrupt) = (self.threads.pool()?, self.draws_progress, self.interrupt);
+        match recipe {
+            AnyRecipe::Ltc(recipe) => {
+                let table = pool.install(|| fit_alone(recipe, draws, interrupt))?;
+                container::encode(recipe, &table).map_err(failed)
+            }
+            AnyRecipe::Lut(recipe) => {
+                let file = pool.install(|| lut::fit_alone(recipe, draws, interrupt))?;
+                encode_lut(recipe, &file.lut).map_err(failed)
+            }
+        }
     }
 
     /// Measures a table, for exports.
     ///
     /// # Errors
     /// When the file of the table's tabulated BRDF is missing, or no threads can be started.
-    pub(super) fn measure(&self, mut file: TableFile, digest: Digest) -> Result<Measured, CommandFailure> {
+    pub(super) fn measure(&self, file: AnyFile, digest: Digest) -> Result<Measured, CommandFailure> {
+        let mut file = match file {
+            AnyFile::Ltc(file) => *file,
+            AnyFile::Lut(file) => return Ok(Measured::Lut { file, digest, threads: self.threads }),
+        };
         // The file of a tabulated BRDF is in one of the table folders.
         let name = PathBuf::from(format!("{}.safetensors", digest.hex()));
         tabulated::attach(&mut file, &name);
         tabulated::check_complete(&file.table, &name)?;
         let error = self.threads.pool()?.install(|| export::measured(&file.table, Some(&file.recipe)));
-        Ok(Measured { file, digest, error })
+        Ok(Measured::Ltc { file: Box::new(file), digest, error })
     }
 }
 
 /// A table that was measured once for all its exports.
-pub(super) struct Measured {
-    file: TableFile,
-    digest: Digest,
-    /// The table's mean error between nodes.
-    error: Option<MeanError>,
+pub(super) enum Measured {
+    /// A table of linearly transformed cosines.
+    Ltc {
+        file: Box<TableFile>,
+        digest: Digest,
+        /// The table's mean error between nodes.
+        error: Option<MeanError>,
+    },
+    /// A lookup table, which each export measures.
+    Lut { file: LutFile, digest: Digest, threads: Threads },
 }
 
 impl Measured {
@@ -81,7 +99,7 @@ impl Measured {
     /// # Errors
     /// When this version does not know the export, or cannot make it from the table.
     pub(super) fn export(&self, asked: &ExportPin) -> Result<(ExportPin, Vec<TextureFile>), CommandFailure> {
-        let files = self.files(export_of(asked)?)?;
+        let files = self.files(&name_of(asked)?).map_err(|failure| of_export(asked, &failure))?;
         let pin = |file: &TextureFile| FilePin {
             path: asked.to.join(&file.path),
             bytes: file.bytes.len() as u64,
@@ -91,13 +109,22 @@ impl Measured {
         Ok((ExportPin { file: pins, ..asked.clone() }, files))
     }
 
-    /// The files of an export.
+    /// The files of the export `name`.
     ///
     /// # Errors
     /// When the export cannot be made from the table.
-    pub(super) fn files(&self, export: Export) -> Result<Vec<TextureFile>, CommandFailure> {
-        let Self { file: TableFile { table, recipe, .. }, digest, error } = self;
-        Ok(export.bundle(table, About::of_table(*digest, Some(recipe), *error)).map_err(usage)?.files)
+    pub(super) fn files(&self, name: &str) -> Result<Vec<TextureFile>, CommandFailure> {
+        let bundle = match self {
+            Self::Ltc { file, digest, error } => {
+                let export: Export = name.parse().map_err(|error: UnknownExport| usage(error))?;
+                export.bundle(&file.table, About::of_table(*digest, Some(&file.recipe), *error)).map_err(usage)?
+            }
+            Self::Lut { file, digest, threads } => {
+                let export: LutExport = name.parse().map_err(|error: LutExportError| usage(error))?;
+                threads.pool()?.install(|| export.bundle(file, *digest)).map_err(usage)?
+            }
+        };
+        Ok(bundle.files)
     }
 }
 
@@ -117,12 +144,15 @@ pub(super) fn asked_by(choice: &ExportChoice, to: &Path) -> Result<ExportPin, Co
     })
 }
 
-/// The export that a pin requests.
-pub(super) fn export_of(pin: &ExportPin) -> Result<Export, CommandFailure> {
+/// The name of the export that a pin requests.
+pub(super) fn name_of(pin: &ExportPin) -> Result<String, CommandFailure> {
     const FIELDS: &str = "use «for», or «layout», «container» and optionally «precision», or a compact «container»";
-    let named = pin.name().ok_or_else(|| FIELDS.to_owned());
-    let export = named.and_then(|name| name.parse().map_err(|error: UnknownExport| error.to_string()));
-    export.map_err(|why| usage(format!("the export to {}: {why}", pin.to.display())))
+    pin.name().ok_or_else(|| of_export(pin, &usage(FIELDS)))
+}
+
+/// A failure of an export.
+fn of_export(pin: &ExportPin, failure: &CommandFailure) -> CommandFailure {
+    CommandFailure::new(failure.exit, format!("the export to {}: {}", pin.to.display(), failure.message))
 }
 
 /// A failure of the pin `name`.
@@ -156,7 +186,9 @@ mod tests {
             pin(None, None, Some("compact-js"), None),
         ] {
             // Services use the same name for the export.
-            assert_eq!(asked.name(), Some(export_of(&asked).expect("a known export").to_string()));
+            let name = name_of(&asked).expect("a name");
+            let export: Export = name.parse().expect("a known export");
+            assert_eq!(export.to_string(), name);
         }
     }
 
@@ -170,7 +202,8 @@ mod tests {
             (pin(Some("wgpu"), Some("reflected"), Some("dds"), None), "use «for», or"),
             (pin(None, Some("reflected"), None, None), "use «for», or"),
         ] {
-            let refused = export_of(&asked).expect_err(said);
+            let parsed = name_of(&asked).map(|name| name.parse::<Export>().map_err(|error| usage(error)));
+            let refused = parsed.and_then(|export| export).expect_err(said);
             assert_eq!(refused.exit, super::super::Exit::Usage);
             assert!(refused.message.contains(said), "{}", refused.message);
         }

@@ -9,13 +9,14 @@ use clap::Args;
 use serde_json::json;
 
 use super::{
-    CommandFailure, Context, Exit, Fitting, Measured, SourceArgs, Sources, export_of, failed, file_failure,
-    lock_failure, mismatch, of_pin, shown, table_file::check, usage, verify::all_of,
+    CommandFailure, Context, Exit, Fitting, Measured, SourceArgs, Sources, failed, file_failure, lock_failure,
+    mismatch, name_of, of_pin, shown, table_file::check, usage, verify::all_of,
 };
 use ltcforge_client::{
     self as client, ExportPin, FilePin, LockFile, Pin, PinState, PullError, Source, SourcesError, Wanted,
 };
-use ltcforge_files::{bounded::read_file, container::TableFile, digest::Digest, recipe_document, replace::Staged};
+use ltcforge_files::{bounded::read_file, container::AnyFile, digest::Digest, recipe_document, replace::Staged};
+use ltcforge_textures::{Export, UnknownExport};
 
 /// `pull`.
 #[derive(Debug, Args)]
@@ -189,11 +190,11 @@ impl Pulling<'_, '_> {
     }
 
     /// Rejects a table whose recipe differs from the pinned recipe.
-    fn check_recipe(&self, pin: &Pin, file: &TableFile) -> Result<(), CommandFailure> {
+    fn check_recipe(&self, pin: &Pin, file: &AnyFile) -> Result<(), CommandFailure> {
         let Some(pinned) = &pin.recipe else { return Ok(()) };
         let place = self.lock.folder.join(&pin.path);
-        let pinned = recipe_document::parse_stored(pinned.as_bytes()).map_err(|error| mismatch(&place, error))?;
-        let [pinned, actual] = [&pinned, &file.recipe].map(recipe_document::digest);
+        let pinned = recipe_document::parse_any_stored(pinned.as_bytes()).map_err(|error| mismatch(&place, error))?;
+        let (pinned, actual) = (recipe_document::digest(&pinned), Digest::of(file.recipe_json().as_bytes()));
         if actual == pinned {
             return Ok(());
         }
@@ -230,7 +231,7 @@ impl Pulling<'_, '_> {
     }
 
     /// The table of a pin.
-    fn read(&self, pin: &Pin) -> Result<TableFile, CommandFailure> {
+    fn read(&self, pin: &Pin) -> Result<AnyFile, CommandFailure> {
         let path = self.found(&pin.path)?;
         let limit = pin.bytes.unwrap_or(self.args.sources.limit.table_limit);
         let bytes = read_file(&path, limit).map_err(|error| file_failure(&path, &error))?;
@@ -241,8 +242,11 @@ impl Pulling<'_, '_> {
     /// export.
     fn download(&mut self, pin: &Pin, export: &ExportPin, wrong: &[&FilePin]) -> Result<bool, CommandFailure> {
         // An unknown export, or a file that the export does not have, is an error before any request.
-        let asked = export_of(export)?;
-        let forms = asked.forms(&self.read(pin)?.table).map_err(usage)?;
+        let name = name_of(export)?;
+        // Lookup tables take less time to export than to download.
+        let AnyFile::Ltc(file) = self.read(pin)? else { return Ok(false) };
+        let asked: Export = name.parse().map_err(|error: UnknownExport| usage(error))?;
+        let forms = asked.forms(&file.table).map_err(usage)?;
         let form_of = |file: &FilePin| forms.iter().find(|form| export.to.join(&form.path) == file.path);
         let place = |file: &FilePin| self.lock.folder.join(&file.path);
         if let Some(file) = export.file.iter().find(|file| form_of(file).is_none()) {

@@ -9,7 +9,7 @@ use std::{
 use super::{CommandFailure, failed, file_failure, mismatch, usage};
 use ltcforge_files::{
     bounded::read_named,
-    container::{self, TableFile},
+    container::{AnyFile, decode_any},
     digest::Digest,
     text::other_form,
 };
@@ -71,11 +71,7 @@ pub(super) fn read(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, CommandFail
 }
 
 /// Checks and decodes a table file. It must hash to `expected`, or else to the digest in its name, if there is one.
-pub(super) fn check(
-    path: &Path,
-    bytes: &[u8],
-    expected: Option<Digest>,
-) -> Result<(Digest, TableFile), CommandFailure> {
+pub(super) fn check(path: &Path, bytes: &[u8], expected: Option<Digest>) -> Result<(Digest, AnyFile), CommandFailure> {
     let actual = Digest::of(bytes);
     if let Some(expected) = expected.or_else(|| digest_in_name(path))
         && actual != expected
@@ -83,7 +79,7 @@ pub(super) fn check(
         let reason = || format!("the file has digest {actual}, expected {expected}");
         return Err(mismatch(path, other_form(bytes).unwrap_or_else(reason)));
     }
-    let file = container::decode(bytes).map_err(|error| mismatch(path, error))?;
+    let file = decode_any(bytes).map_err(|error| mismatch(path, error))?;
     Ok((actual, file))
 }
 

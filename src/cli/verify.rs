@@ -15,7 +15,7 @@ use super::{
     server_args::TokenArgs, shown, table_file, table_path, usage, verify_export,
 };
 use ltcforge_client::{Access, Source, Wanted, digest_of_file, fetch};
-use ltcforge_files::{container::TableFile, digest::Digest, recipe_document, tabulated::kept_name};
+use ltcforge_files::{container::AnyFile, digest::Digest, tabulated::kept_name};
 
 /// `verify`.
 #[derive(Debug, Args)]
@@ -189,7 +189,9 @@ fn served(url: &str, access: &Access<'_>, fitting: Option<&Fitting<'_>>) -> Resu
     let (name, source) = (Path::new(url), [Source::server(base)?]);
     let table = table_file::check(name, &fetch(&source, &Wanted::table(digest, None), access)?, Some(digest))?;
     let folder = tempfile::tempdir().map_err(failed)?;
-    if let Some(brdf) = table.1.table.model().file().filter(|_| fitting.is_some()) {
+    if let AnyFile::Ltc(table) = &table.1
+        && let Some(brdf) = table.table.model().file().filter(|_| fitting.is_some())
+    {
         let digest = Digest::from_bytes(*brdf.digest());
         let wanted = Wanted { digest, stated_bytes: None, path: format!("/v1/brdfs/{digest}") };
         let path = folder.path().join(kept_name(brdf.digest()));
@@ -203,11 +205,11 @@ fn served(url: &str, access: &Access<'_>, fitting: Option<&Fitting<'_>>) -> Resu
 fn refitted(
     path: &Path,
     at: &Path,
-    (digest, file): (Digest, TableFile),
+    (digest, file): (Digest, AnyFile),
     fitting: Option<&Fitting<'_>>,
 ) -> Result<Digest, CommandFailure> {
     let Some(fitting) = fitting else { return Ok(digest) };
-    let recipe = fitting.recipe(at, recipe_document::canonical_json(&file.recipe).as_bytes())?;
+    let recipe = fitting.recipe(at, file.recipe_json().as_bytes())?;
     let actual = Digest::of(&fitting.fit(&recipe)?);
     if actual == digest {
         return Ok(digest);
@@ -215,7 +217,7 @@ fn refitted(
     Err(mismatch(path, format!("the file has digest {digest}, but fitting its recipe gives {actual}")))
 }
 
-fn read(path: &Path, expected: Option<Digest>, limit_bytes: u64) -> Result<(Digest, TableFile), CommandFailure> {
+fn read(path: &Path, expected: Option<Digest>, limit_bytes: u64) -> Result<(Digest, AnyFile), CommandFailure> {
     table_file::check(path, &table_file::read(path, limit_bytes)?, expected)
 }
 

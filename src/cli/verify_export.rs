@@ -6,8 +6,8 @@ use serde::Deserialize;
 use serde_json::value::RawValue;
 
 use super::{CommandFailure, Fitting, exit, file_failure};
-use ltcforge_files::{bounded::read_file, container::TableFile, digest::Digest};
-use ltcforge_textures::{Export, MANIFEST, UnknownExport};
+use ltcforge_files::{bounded::read_file, container::decode_any, digest::Digest};
+use ltcforge_textures::MANIFEST;
 
 /// Maximum size of a manifest.
 const MANIFEST_LIMIT: u64 = 4 << 20;
@@ -79,10 +79,9 @@ pub(super) fn check(
         return Err(mismatch(&format!("the files belong to table {table}, but fitting their recipe gives {fitted}")));
     }
     let name = read.engine.or(read.export).ok_or_else(|| mismatch("the manifest does not name an export"))?;
-    let export: Export = name.parse().map_err(|error: UnknownExport| mismatch(&error.to_string()))?;
-    let file = TableFile::from_bytes(&bytes).map_err(|error| mismatch(&error.to_string()))?;
+    let file = decode_any(&bytes).map_err(|error| mismatch(&error.to_string()))?;
     let made_by = read.about.first().map(String::as_str).unwrap_or_default();
-    for made in &fitting.measure(file, table)?.files(export)? {
+    for made in &fitting.measure(file, table)?.files(&name)? {
         let found = here.iter().find(|(path, _)| *path == Path::new(&made.path));
         let what = match found {
             Some((_, bytes)) if *bytes == made.bytes => continue,

@@ -158,7 +158,7 @@ fn pin_of(table: Table, is_old: bool) -> Result<Pin, LockFileError> {
     let incomplete = |field| LockFileError::Incomplete { name: name.clone(), field };
     match (&recipe, recipe_digest) {
         (Some(recipe), Some(stated)) => {
-            let read = recipe_document::parse_stored(recipe.as_bytes())
+            let read = recipe_document::parse_any_stored(recipe.as_bytes())
                 .map_err(|source| LockFileError::Recipe { name: name.clone(), source })?;
             let actual = recipe_document::digest(&read);
             if actual != stated {

@@ -49,7 +49,7 @@ fn name_of(table: &Table) -> Option<&str> {
 fn fill(table: &mut Table, pin: &Pin) -> Result<(), LockFileError> {
     let incomplete = |field| LockFileError::Incomplete { name: pin.name.clone(), field };
     let recipe = pin.recipe.as_deref().ok_or_else(|| incomplete("recipe"))?;
-    let read = recipe_document::parse_stored(recipe.as_bytes())
+    let read = recipe_document::parse_any_stored(recipe.as_bytes())
         .map_err(|source| LockFileError::Recipe { name: pin.name.clone(), source })?;
     set(table, "name", pin.name.as_str().into());
     set(table, "path", path(&pin.path)?);

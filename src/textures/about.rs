@@ -72,6 +72,19 @@ impl About {
         Self { table: Some(table), recipe: document, ..Self::new(lines) }
     }
 
+    /// A comment with the known facts about a lookup table: its digest, its recipe in canonical JSON, and a line about
+    /// the exported numbers.
+    pub(super) fn of_lut(table: Digest, recipe: String, error: String) -> Self {
+        let lines = [
+            format!("ltcforge {}", env!("CARGO_PKG_VERSION")),
+            format!("table {table}"),
+            format!("recipe {}", Digest::of(recipe.as_bytes())),
+            error,
+            LICENCE.to_owned(),
+        ];
+        Self { table: Some(table), recipe: Some(recipe), ..Self::new(lines) }
+    }
+
     /// The recipe of the table in canonical JSON, if it is known.
     pub(super) fn recipe(&self) -> Option<&str> {
         self.recipe.as_deref()

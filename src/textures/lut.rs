@@ -29,7 +29,7 @@ const AXES: LutAxes =
     LutAxes { roughness: RoughnessAxis::Perceptual, cos_theta: CosineAxis::Cosine, texels: Texels::Centres };
 
 /// A set of files that can be made from a lookup table: an engine, or a container and a precision with a dot between,
-/// such as `ktx2.f16`.
+/// such as `ktx2.f16`. Without a precision it is f32.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LutExport {
     /// The files of an engine.
@@ -86,7 +86,7 @@ impl FromStr for LutExport {
 
     fn from_str(text: &str) -> Result<Self, LutExportError> {
         let textures = || {
-            let (container, precision) = text.split_once('.')?;
+            let (container, precision) = text.split_once('.').unwrap_or((text, Precision::F32.name()));
             let container = TextureContainer::from_name(container)?;
             Some(Self::Textures { container, precision: Precision::from_name(precision)? })
         };
@@ -130,24 +130,25 @@ impl LutExport {
         let other = if recipe == of.recipe { None } else { fit_lut(&LutPlan::new(&recipe), &|_| Continue(())) };
         let file = LutFile { recipe, lut: other.unwrap_or_else(|| of.lut.clone()) };
         let report = MeasuredLut::new(&recipe).report(&file.lut);
-        bundle(self, &file, digest, &report)
+        bundle(self, &file, digest, recipe_document::canonical_json(&of.recipe), &report)
     }
 }
 
 /// The files of a lookup table that has the parameters of the export.
-fn bundle(export: LutExport, of: &LutFile, source: Digest, report: &LutReport) -> Result<Bundle, LutExportError> {
+fn bundle(
+    export: LutExport,
+    of: &LutFile,
+    source: Digest,
+    document: String,
+    report: &LutReport,
+) -> Result<Bundle, LutExportError> {
     let LutFile { recipe, lut } = of;
-    let document = recipe_document::canonical_json(recipe);
     let error = &report.stored;
-    let about = About::new([
-        format!("ltcforge {}, from table {source}", env!("CARGO_PKG_VERSION")),
-        format!("recipe {document}"),
-        format!(
-            "error after linear filtering, alpha from .002, cosine from .01: mean {:.5}, p95 {:.5}, max {:.5}",
-            error.mean, error.p95, error.max
-        ),
-        "licence of the numbers: CC0-1.0".to_owned(),
-    ]);
+    let error = format!(
+        "{} x {} texels; error after linear filtering, alpha from .002, cosine from .01: mean {:.5}, p95 {:.5}, max {:.5}",
+        recipe.resolution.roughness, recipe.resolution.cos_theta, error.mean, error.p95, error.max
+    );
+    let about = About::of_lut(source, document, error);
     let bundle = match export {
         LutExport::Engine(Engine::Three) => three(recipe, lut, &about)?,
         LutExport::Engine(_) => {

@@ -26,4 +26,9 @@ fn a_dfg_table_is_fitted_measured_and_exported() {
     assert!(refused.stderr.contains("three, bevy") && refused.stderr.contains("ktx2"), "{}", refused.stderr);
     let refused = run(folder.path(), ["preview", name.as_str(), "-o", "sphere.png"]).exited(2);
     assert!(refused.stderr.contains("lookup table"), "{}", refused.stderr);
+    let lock = ["lock", "brdf", "--recipe", "dfg", "--for", "three", "--out", "assets/brdf"];
+    run(folder.path(), lock).exited(0);
+    assert!(folder.path().join("assets/brdf/DFGLUTData.js").exists());
+    run(folder.path(), ["pull"]).exited(0);
+    run(folder.path(), ["verify", "--refit", "brdf/ltcforge.json"]).exited(0);
 }

@@ -29,6 +29,17 @@ pub enum AnyFile {
     Lut(LutFile),
 }
 
+impl AnyFile {
+    /// The canonical JSON of the recipe.
+    #[must_use]
+    pub fn recipe_json(&self) -> String {
+        match self {
+            Self::Ltc(file) => recipe_document::canonical_json(&file.recipe),
+            Self::Lut(file) => recipe_document::canonical_json(&file.recipe),
+        }
+    }
+}
+
 /// The canonical file of a lookup table.
 ///
 /// # Errors
