@@ -14,7 +14,13 @@ use crate::{
     service::pictures::Subject,
     store::StoreError,
 };
-use ltcforge_files::{digest::Digest, tabulated::encode};
+use ltcforge_files::{
+    container::encode_lut,
+    digest::Digest,
+    recipe_document::{AnyRecipe, parse_any},
+    tabulated::{encode, no_files},
+};
+use ltcforge_fit::albedo::{LutPlan, fit_lut};
 use ltcforge_fit::{BrdfKind, TabulatedAxes, TabulatedBrdf};
 use ltcforge_textures::Export;
 use ltcforge_view::{
@@ -96,6 +102,37 @@ fn used_ago(file: &Path, seconds: u64) {
 fn brdf(alpha: f64) -> Vec<u8> {
     let axes = TabulatedAxes::spread(vec![alpha, 1.0], 48, 32);
     encode(&TabulatedBrdf::tabulate(BrdfKind::OrenNayar, axes).unwrap()).unwrap()
+}
+
+#[test]
+fn a_lookup_table_takes_the_same_path_as_an_ltc_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let service = Service::open(config(folder.path())).unwrap();
+    let document = r#"{"table": "dfg", "resolution": {"roughness": 5, "cos_theta": 4}}"#;
+    let foreseen = service.foresee(document.as_bytes()).unwrap();
+    assert_eq!((foreseen.entries, foreseen.expected.unwrap().shards), (20, 5));
+    let table = fitted(&service, document);
+    // The file is that of a fit without the service.
+    let recipe = parse_any(document.as_bytes(), 10_000, &no_files).unwrap();
+    let AnyRecipe::Lut(recipe) = recipe else { panic!("{recipe:?}") };
+    let lut = fit_lut(&LutPlan::new(&recipe), &|_| std::ops::ControlFlow::Continue(())).unwrap();
+    assert_eq!(Digest::of(&encode_lut(&recipe, &lut).unwrap()), table);
+    let manifest: serde_json::Value = serde_json::from_str(&service.manifest(table).unwrap().unwrap()).unwrap();
+    assert_eq!((&manifest["recipe"]["table"], &manifest["entries"]), (&"dfg".into(), &20.into()));
+    let exports: Vec<String> = service.exports(table).unwrap().unwrap().iter().map(ToString::to_string).collect();
+    assert_eq!(exports, ["three", "bevy"]);
+    let made = service.export(table, "bevy".parse().unwrap()).unwrap().unwrap();
+    assert_eq!(made.files[0].path, "dfg.ktx2");
+    let refused = service.export(table, "godot".parse().unwrap()).unwrap_err();
+    assert!(matches!(refused, ExportFailure::Lut(_)), "{refused}");
+    // The catalogue finds the table again without its database.
+    service.stop();
+    drop(service);
+    fs::remove_dir_all(folder.path().join("db")).unwrap();
+    let service = Service::open(config(folder.path())).unwrap();
+    assert!(
+        matches!(service.submit(document.as_bytes(), None).unwrap(), SubmitReply::Ready { table: found, .. } if found == table)
+    );
 }
 
 #[test]
