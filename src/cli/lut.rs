@@ -157,7 +157,9 @@ pub(super) fn export(
         list.push(value);
         let _ = writeln!(out, "{}  {} bytes", path.display(), file.bytes.len());
     }
-    steps.iter().for_each(|step| out += &format!("{step}\n"));
+    for step in &steps {
+        let _ = writeln!(out, "{step}");
+    }
     let value = json!({
         "table": digest, "for": args.choice.engine, "container": args.choice.container, "files": list, "steps": steps,
     });

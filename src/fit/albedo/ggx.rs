@@ -17,7 +17,7 @@ static COSINES: LazyLock<Vec<f64>> =
 /// [1e-3, 1].
 ///
 /// The integral runs over the slope of the normal, in polar coordinates `r`, `phi` around the normal of the surface.
-/// With t = tan(theta_o), the light is above the horizon for `r < R(phi)`, where `R` solves `r^2 - 2 t r cos(phi) = 1`.
+/// With `t = tan(theta_o)`, the light is above the horizon for `r < R(phi)`, where `R` solves `r^2 - 2 t r cos(phi) = 1`.
 /// So `R = e^y` with `sinh(y) = t cos(phi)`. The variables are `psi` with `y = asinh(t) cos(psi)`, in which the
 /// midpoint rule converges exponentially, and `x` with `r = alpha sinh(x)`, in which the density of slopes is
 /// `2 sinh(x) / cosh(x)^3`.
