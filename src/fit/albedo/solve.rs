@@ -7,7 +7,8 @@ pub(super) const LEAST: [f64; 2] = [0.002, 0.01];
 /// The weight of places outside the domain. They only determine texels that the domain does not reach.
 const OUTSIDE: f64 = 1e-4;
 /// Rounds of least squares. The first has equal weights; each following round gives more weight to large errors. At 32 x
-/// 32 the rounds decrease the largest error of `dfg` from .0041 to .0038, at 16 x 16 from .0114 to .0105.
+/// 32 the rounds decrease the largest error of `dfg` in f16 from .0057 to .0043, at 16 x 16 from .0179 to .0150
+/// (331 x 337 places, not those of the report).
 const ROUNDS: usize = 8;
 /// The number of texels above which fewer rounds are enough.
 const MANY_TEXELS: u64 = 64 * 64;
