@@ -18,8 +18,8 @@ use ltcforge_files::{
 };
 use ltcforge_fit::{Precision, Recipe, Spread, Table};
 use ltcforge_textures::{
-    About, Bundle, CompactContainer, Displacement, Engine, Export, RoundingError, TextureContainer, TextureFile,
-    TextureLayout, UnknownExport, layout_names,
+    About, Bundle, CompactContainer, Displacement, Engine, Export, LutExport, LutExportError, RoundingError,
+    TextureContainer, TextureFile, TextureLayout, UnknownExport, layout_names,
 };
 
 /// `export`.
@@ -92,7 +92,7 @@ fn precisions() -> impl TypedValueParser<Value = Precision> {
 pub(super) fn run(args: &ExportArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     check_output_folder(&args.out)?;
     if let Some(read) = lut::read(&args.table)? {
-        return lut::export(args, &read, context);
+        return lut::export(lut_export(args)?, &read, &args.out, &args.threads, context);
     }
     let AnyTable { path, digest, table, origin } = AnyTable::read(&args.table)?;
     let recipe = origin.recipe();
@@ -119,6 +119,22 @@ pub(super) fn run(args: &ExportArgs, context: &mut Context<'_>) -> Result<Exit, 
         "steps": steps, "compared": compared.first(), "compared_second": compared.get(1),
     });
     context.print(&value, text(args, &files, &compared, &steps).trim_end())
+}
+
+/// The export of a lookup table that the options choose.
+fn lut_export(args: &ExportArgs) -> Result<LutExport, CommandFailure> {
+    let choice = &args.choice;
+    if let Some(layout) = &choice.layout {
+        return Err(usage(format!("--layout {layout} is for tables of linearly transformed cosines: leave it out")));
+    }
+    let Some(name) = &choice.container else {
+        if choice.precision.is_some() {
+            return Err(usage("--for has its own precision: leave out --precision"));
+        }
+        return choice.engine.map(LutExport::Engine).ok_or_else(|| usage("use --for ENGINE or --container NAME"));
+    };
+    let container = TextureContainer::from_name(name).ok_or_else(|| usage(LutExportError::Unknown(name.clone())))?;
+    Ok(LutExport::Textures { container, precision: choice.precision.unwrap_or(Precision::F32) })
 }
 
 /// The export that the options choose.

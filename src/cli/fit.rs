@@ -49,7 +49,7 @@ pub(super) fn run(args: &FitArgs, context: &mut Context<'_>) -> Result<Exit, Com
     let document = input::recipe_document(&args.recipe)?;
     let (recipe, brdf_file) = match tabulated::any_recipe(&args.recipe, &document, args.entry_limit)? {
         (AnyRecipe::Ltc(recipe), brdf_file) => (*recipe, brdf_file),
-        (AnyRecipe::Lut(recipe), _) => return lut::fit(args, &recipe, context),
+        (AnyRecipe::Lut(recipe), _) => return lut::fit(&recipe, &args.out, &args.threads, context),
     };
     check_output_folder(&args.out)?;
     let pool = args.threads.pool()?;

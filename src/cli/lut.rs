@@ -10,9 +10,8 @@ use std::{
 use serde_json::{Value, json};
 
 use super::{
-    CommandFailure, Context, Exit, Interrupt, TableChoice, check_output_folder, export::ExportArgs, failed,
-    file_failure, fit::FitArgs, listed, mismatch, progress, report::ReportArgs, shown, table_file, table_path, usage,
-    write_in,
+    CommandFailure, Context, Exit, Interrupt, TableChoice, Threads, check_output_folder, failed, file_failure, listed,
+    mismatch, progress, shown, table_file, table_path, usage, write_in,
 };
 use ltcforge_files::{
     container::{AnyFile, LutFile, decode_any, encode_lut},
@@ -20,16 +19,18 @@ use ltcforge_files::{
     manifest::lut_manifest,
     replace::replace_pair,
 };
-use ltcforge_fit::{
-    Precision,
-    albedo::{LutError, LutPlan, LutRecipe, LutReport, MeasuredLut, fit_lut},
-};
-use ltcforge_textures::{Bundle, LutExport, LutExportError, TextureContainer};
+use ltcforge_fit::albedo::{LutError, LutPlan, LutRecipe, LutReport, MeasuredLut, fit_lut};
+use ltcforge_textures::{Bundle, LutExport};
 
 /// Computes a lookup table, and writes the table and its manifest.
-pub(super) fn fit(args: &FitArgs, recipe: &LutRecipe, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
-    check_output_folder(&args.out)?;
-    let pool = args.threads.pool()?;
+pub(super) fn fit(
+    recipe: &LutRecipe,
+    out: &Path,
+    threads: &Threads,
+    context: &mut Context<'_>,
+) -> Result<Exit, CommandFailure> {
+    check_output_folder(out)?;
+    let pool = threads.pool()?;
     let started = Instant::now();
     let (draws, interrupt) = (context.draws_progress, &context.interrupt);
     let LutFile { lut, .. } = pool.install(|| fit_alone(recipe, draws, interrupt))?;
@@ -39,7 +40,7 @@ pub(super) fn fit(args: &FitArgs, recipe: &LutRecipe, context: &mut Context<'_>)
     let report = pool.install(|| MeasuredLut::new(recipe).report(&lut));
     let manifest = lut_manifest(&bytes, recipe, &report).map_err(failed)?;
     let [table, manifest_path] =
-        ["safetensors", "manifest.json"].map(|extension| args.out.join(format!("{}.{extension}", digest.hex())));
+        ["safetensors", "manifest.json"].map(|extension| out.join(format!("{}.{extension}", digest.hex())));
     replace_pair((&table, &bytes), (&manifest_path, manifest.as_bytes()))
         .map_err(|error| file_failure(&error.path, &error.source))?;
     let next = [format!("ltcforge report {}", shown(&table))];
@@ -84,14 +85,11 @@ pub(super) fn read(choice: &TableChoice) -> Result<Option<(PathBuf, Digest, LutF
 
 /// Prints the errors of a lookup table.
 pub(super) fn report(
-    args: &ReportArgs,
     (path, digest, file): &(PathBuf, Digest, LutFile),
+    threads: &Threads,
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
-    if args.points.is_some() || args.extremes {
-        return Err(usage("--points and --extremes are for tables of linearly transformed cosines: leave them out"));
-    }
-    let report = args.threads.pool()?.install(|| MeasuredLut::new(&file.recipe).report(&file.lut));
+    let report = threads.pool()?.install(|| MeasuredLut::new(&file.recipe).report(&file.lut));
     let value = json!({
         "file": shown(path), "digest": digest, "table": file.recipe.table,
         "resolution": file.recipe.resolution, "report": report,
@@ -123,35 +121,20 @@ fn figures(error: &LutError) -> String {
     format!("mean {:.5}, p95 {:.5}, max {:.5}", error.mean, error.p95, error.max)
 }
 
-/// The export that the options choose.
-fn export_of(args: &ExportArgs) -> Result<LutExport, CommandFailure> {
-    let choice = &args.choice;
-    if let Some(layout) = &choice.layout {
-        return Err(usage(format!("--layout {layout} is for tables of linearly transformed cosines: leave it out")));
-    }
-    let Some(name) = &choice.container else {
-        if choice.precision.is_some() {
-            return Err(usage("--for has its own precision: leave out --precision"));
-        }
-        return choice.engine.map(LutExport::Engine).ok_or_else(|| usage("use --for ENGINE or --container NAME"));
-    };
-    let container = TextureContainer::from_name(name).ok_or_else(|| usage(LutExportError::Unknown(name.clone())))?;
-    Ok(LutExport::Textures { container, precision: choice.precision.unwrap_or(Precision::F32) })
-}
-
 /// Writes a lookup table as files.
 pub(super) fn export(
-    args: &ExportArgs,
+    export: LutExport,
     (_, digest, file): &(PathBuf, Digest, LutFile),
+    folder: &Path,
+    threads: &Threads,
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
-    let export = export_of(args)?;
     export.recipe(&file.recipe).map_err(usage)?;
-    let Bundle { files, steps } = args.threads.pool()?.install(|| export.bundle(file, *digest)).map_err(usage)?;
+    let Bundle { files, steps } = threads.pool()?.install(|| export.bundle(file, *digest)).map_err(usage)?;
     let mut out = String::new();
     let mut list: Vec<Value> = Vec::new();
     for file in &files {
-        let path = write_in(&args.out, &file.path, &file.bytes)?;
+        let path = write_in(folder, &file.path, &file.bytes)?;
         let mut value = listed(&path, &file.bytes);
         value["rounding"] = json!(file.rounding);
         list.push(value);
@@ -160,8 +143,12 @@ pub(super) fn export(
     for step in &steps {
         let _ = writeln!(out, "{step}");
     }
+    let (engine, container) = match export {
+        LutExport::Engine(engine) => (Some(engine), None),
+        LutExport::Textures { container, .. } => (None, Some(container.name())),
+    };
     let value = json!({
-        "table": digest, "for": args.choice.engine, "container": args.choice.container, "files": list, "steps": steps,
+        "table": digest, "for": engine, "container": container, "files": list, "steps": steps,
     });
     context.print(&value, out.trim_end())
 }

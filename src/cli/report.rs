@@ -5,7 +5,7 @@ use std::{f64::consts::FRAC_PI_2, fmt::Write as _};
 use clap::Args;
 use serde_json::json;
 
-use super::{AnyTable, CommandFailure, Context, Exit, TableChoice, Threads, lut, shown, tabulated};
+use super::{AnyTable, CommandFailure, Context, Exit, TableChoice, Threads, lut, shown, tabulated, usage};
 use ltcforge_fit::{
     Asymmetry, Corner, LobeModel, Moved, PerAxis, Poor, Report, SecondReport, Spread, TermError, extremes,
 };
@@ -30,7 +30,12 @@ pub struct ReportArgs {
 /// Measures a table and prints the figures.
 pub(super) fn run(args: &ReportArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     if let Some(read) = lut::read(&args.table)? {
-        return lut::report(args, &read, context);
+        if args.points.is_some() || args.extremes {
+            return Err(usage(
+                "--points and --extremes are for tables of linearly transformed cosines: leave them out",
+            ));
+        }
+        return lut::report(&read, &args.threads, context);
     }
     let read = AnyTable::read(&args.table)?;
     tabulated::check_complete(&read.table, &read.path)?;
