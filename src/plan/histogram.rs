@@ -15,6 +15,8 @@ const STEEPEST: f64 = 0.99 * FRAC_PI_2;
 /// Alpha and ratio are rounded to multiples of `1 / DECIMALS`. This removes the rounding errors in the last digits of
 /// squares.
 const DECIMALS: f64 = 1e12;
+/// The smallest reflectance at normal incidence that counts as metal. It is the reflectance of diamond.
+pub(crate) const LEAST_METAL: f64 = 0.17;
 
 /// A roughness with its weight.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -50,6 +52,9 @@ pub(crate) struct Histogram {
     cells: BTreeMap<[u16; 2], Cell>,
     /// The weight, and the weighted sum of the reflectance: of dielectrics, then of metal.
     f0: [[f64; 2]; 2],
+    /// Weighted sums of the reflectances at normal and at grazing incidence, and the weight: of dielectrics, then of
+    /// metal.
+    formula: [[f64; 3]; 2],
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -78,6 +83,20 @@ impl Histogram {
         }
     }
 
+    /// Adds a reflectance at normal and at grazing incidence by the specification.
+    pub(crate) fn add_formula(&mut self, [f0, f90]: [f64; 2], weight: f64) {
+        let sums = &mut self.formula[usize::from(f0 >= LEAST_METAL * f90)];
+        for (sum, value) in sums.iter_mut().zip([f0, f90, 1.0]) {
+            *sum += weight * value;
+        }
+    }
+
+    /// Means of the reflectances, and their weights.
+    pub(crate) fn formula(&self) -> Vec<[f64; 3]> {
+        let mean = |[f0, f90, weight]: &[f64; 3]| [f0 / weight, f90 / weight, *weight];
+        self.formula.iter().filter(|[_, f90, _]| *f90 > 0.0).map(mean).collect()
+    }
+
     /// Adds all of another histogram.
     pub(crate) fn merge(&mut self, other: &Self) {
         for (key, added) in &other.cells {
@@ -87,7 +106,13 @@ impl Histogram {
                 cell.moved[i] += added.moved[i] + added.weight * (added.first[i] - cell.first[i]);
             }
         }
-        self.f0.iter_mut().flatten().zip(other.f0.iter().flatten()).for_each(|(sum, other)| *sum += other);
+        let formula = self.formula.iter_mut().flatten().zip(other.formula.iter().flatten());
+        self.f0
+            .iter_mut()
+            .flatten()
+            .zip(other.f0.iter().flatten())
+            .chain(formula)
+            .for_each(|(sum, other)| *sum += other);
     }
 
     /// The cells, smoothest first.

@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use crate::{
-    histogram::{Spot, pick, span},
+    histogram::{LEAST_METAL, Spot, pick, span},
     scene::{LobeKind, Scene, SceneLobe},
 };
 use ltcforge_fit::{BrdfKind, Configuration, MOST_MATERIALS, PerAxis, WeightedF0, math::recurrence4};
@@ -12,8 +12,6 @@ use ltcforge_fit::{BrdfKind, Configuration, MOST_MATERIALS, PerAxis, WeightedF0,
 const SHIFT: [f64; 4] = [0.5, 0.236_067_977_499_79, 0.732_050_807_568_877, 0.645_751_311_064_59];
 /// The smallest reflectance that a lobe can be fitted for.
 const LEAST_F0: f64 = 1e-3;
-/// The smallest reflectance at normal incidence that counts as metal. It is the reflectance of diamond.
-const LEAST_METAL: f64 = 0.17;
 /// Ranges of angles and reflectances are rounded to multiples of `1 / ROUNDED_TO`.
 const ROUNDED_TO: f64 = 1000.0;
 
@@ -33,8 +31,10 @@ pub struct Needs<'a> {
 pub(crate) struct Place {
     /// Roughnesses and view.
     pub(crate) at: Configuration,
-    /// Reflectance at normal incidence, for F90 = 1.
+    /// Reflectance at normal incidence divided by the reflectance at grazing incidence.
     pub(crate) f0: f64,
+    /// Reflectance at grazing incidence.
+    pub(crate) f90: f64,
 }
 
 impl<'a> Needs<'a> {
@@ -99,9 +99,10 @@ impl<'a> Needs<'a> {
             // An isotropic lobe has no direction along the surface, so its azimuth is drawn uniformly.
             let phi = if lobe.is_isotropic() { w * FRAC_PI_2 } else { phi };
             let at = Configuration { alpha_x: spot.alpha, alpha_y: spot.alpha * spot.ratio, theta, phi };
-            let parts: Vec<f64> = lobe.f0.iter().map(|[_, weight]| *weight).collect();
+            let parts: Vec<f64> = lobe.formula.iter().map(|[_, f90, area]| f90 * area).collect();
             let has_f0 = self.brdf.has_fresnel() && !parts.is_empty();
-            Place { at, f0: if has_f0 { rounded_f0(lobe.f0[pick(&parts, metal).0][0]) } else { 1.0 } }
+            let [f0, f90, _] = if has_f0 { lobe.formula[pick(&parts, metal).0] } else { [1.0; 3] };
+            Place { at, f0: rounded_f0(f0 / f90), f90 }
         };
         (0..count).map(drawn).collect()
     }

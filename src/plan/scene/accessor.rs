@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::{
     container::Container,
-    document::{Accessor, Buffer, Document},
+    document::{Accessor, Buffer, Document, Sparse, SparsePart},
     error::{SceneError, Unread},
 };
 
@@ -12,6 +12,8 @@ use super::{
 const MOST_ELEMENTS: u64 = 1 << 26;
 /// Minimum number of elements that a thread reads at once.
 const LEAST_READ: usize = 1 << 14;
+/// Maximum number of elements of a sparse accessor without a buffer view. No bytes of a file bound them.
+const MOST_ZEROS: u64 = 1 << 22;
 
 /// The buffers of a scene and their document. Domain: indices of accessors that `check` has checked.
 #[derive(Debug)]
@@ -58,7 +60,7 @@ impl<'a> Buffers<'a> {
     /// The elements of an accessor of `N` numbers each. Normalized integers are scaled.
     pub(super) fn numbers<const N: usize>(&self, index: usize) -> Result<Vec<[f32; N]>, Unread> {
         let accessor = &self.document.accessors[index];
-        self.elements::<N, _>(index, |bytes| {
+        self.elements::<N, _>(index, [0.0; N], |bytes| {
             let size = bytes.len() / N;
             std::array::from_fn(|i| number(accessor, &bytes[i * size..][..size]))
         })
@@ -66,29 +68,66 @@ impl<'a> Buffers<'a> {
 
     /// The indices of an accessor.
     pub(super) fn indices(&self, index: usize) -> Result<Vec<u32>, Unread> {
-        self.elements::<1, _>(index, whole)
+        self.elements::<1, _>(index, 0, whole)
     }
 
-    fn elements<const N: usize, T: Send>(
+    /// The elements of an accessor, with those that a sparse accessor replaces.
+    fn elements<const N: usize, T: Copy + Send + Sync>(
         &self,
         index: usize,
+        zero: T,
         read: impl Fn(&[u8]) -> T + Sync,
     ) -> Result<Vec<T>, Unread> {
         let fault = |detail: String| Err(SceneError::fault(format!("/accessors/{index}"), detail).into());
         let accessor = &self.document.accessors[index];
+        let Some(Sparse { count, indices, values }) = accessor.sparse.as_deref() else {
+            return self.stored::<N, _>(index, accessor, &read);
+        };
+        let mut elements = if accessor.buffer_view.is_some() {
+            self.stored::<N, _>(index, accessor, &read)?
+        } else {
+            SceneError::above(format!("/accessors/{index}/count"), accessor.count, MOST_ZEROS)?;
+            vec![zero; accessor.count as usize]
+        };
+        let of = |part: &SparsePart, component_type: u32, shape: &str| Accessor {
+            buffer_view: Some(part.buffer_view),
+            byte_offset: part.byte_offset,
+            component_type,
+            count: *count,
+            shape: shape.to_owned(),
+            ..Accessor::default()
+        };
+        let replaced = of(indices, indices.component_type.unwrap_or(5125), "SCALAR");
+        let replaced = self.stored::<1, _>(index, &replaced, &whole)?;
+        let values = self.stored::<N, _>(index, &of(values, accessor.component_type, &accessor.shape), &read)?;
+        for (at, value) in replaced.into_iter().zip(values) {
+            let Some(element) = elements.get_mut(at as usize) else {
+                return fault(format!("sparse index {at} of {} elements", accessor.count));
+            };
+            *element = value;
+        }
+        Ok(elements)
+    }
+
+    /// The elements in the buffer view of an accessor.
+    fn stored<const N: usize, T: Send>(
+        &self,
+        index: usize,
+        accessor: &Accessor,
+        read: &(impl Fn(&[u8]) -> T + Sync),
+    ) -> Result<Vec<T>, Unread> {
+        let fault = |detail: String| Err(SceneError::fault(format!("/accessors/{index}"), detail).into());
         let size = match accessor.component_type {
             5120 | 5121 => N,
             5122 | 5123 => 2 * N,
             5125 | 5126 => 4 * N,
             other => return fault(format!("componentType {other} is not one of 5120 to 5123, 5125, 5126")),
         };
-        if ["SCALAR", "VEC2", "VEC3", "VEC4"][N - 1] != accessor.shape {
+        let shape = if N == 16 { "MAT4" } else { ["SCALAR", "VEC2", "VEC3", "VEC4"][N - 1] };
+        if shape != accessor.shape {
             return fault(format!("type \"{}\" where {N} numbers are needed", accessor.shape));
         }
         SceneError::above(format!("/accessors/{index}/count"), accessor.count, MOST_ELEMENTS)?;
-        if accessor.sparse.is_some() {
-            return Err(Unread::Missing(format!("accessor {index} is sparse")));
-        }
         let view = accessor.buffer_view.ok_or_else(|| Unread::Missing(format!("accessor {index} has no numbers")))?;
         let bytes = self.view(view)?;
         let stride = self.document.buffer_views[view].byte_stride.unwrap_or(size as u64);

@@ -22,11 +22,14 @@ pub(super) fn check(document: &Document) -> Result<(), SceneError> {
         ("textures", document.textures.len()),
         ("images", document.images.len()),
         ("cameras", document.cameras.len()),
+        ("skins", document.skins.len()),
     ];
     for (name, length) in lists {
         let most = if name == "materials" { MOST_MATERIALS } else { MOST_ITEMS };
         SceneError::above(format!("/{name}"), length as u64, most)?;
     }
+    let joints: usize = document.skins.iter().map(|skin| skin.joints.len()).sum();
+    SceneError::above("joints of all skins", joints as u64, MOST_ITEMS)?;
     let mut faults = Faults::default();
     let version = &document.asset.version;
     if !version.is_empty() && version.split('.').next() != Some("2") {
@@ -43,13 +46,21 @@ pub(super) fn check(document: &Document) -> Result<(), SceneError> {
         }
         faults.index(format!("/nodes/{i}/mesh"), node.mesh, "meshes", &document.meshes);
         faults.index(format!("/nodes/{i}/camera"), node.camera, "cameras", &document.cameras);
+        faults.index(format!("/nodes/{i}/skin"), node.skin, "skins", &document.skins);
+    }
+    for (i, skin) in document.skins.iter().enumerate() {
+        let matrices = skin.inverse_bind_matrices;
+        faults.index(format!("/skins/{i}/inverseBindMatrices"), matrices, "accessors", &document.accessors);
+        for (j, joint) in skin.joints.iter().enumerate() {
+            faults.index(format!("/skins/{i}/joints/{j}"), Some(*joint), "nodes", &document.nodes);
+        }
     }
     for (i, mesh) in document.meshes.iter().enumerate() {
         for (j, primitive) in mesh.primitives.iter().enumerate() {
             let place = format!("/meshes/{i}/primitives/{j}");
             faults.index(format!("{place}/material"), primitive.material, "materials", &document.materials);
             faults.index(format!("{place}/indices"), primitive.indices, "accessors", &document.accessors);
-            for (name, accessor) in &primitive.attributes {
+            for (name, accessor) in primitive.attributes.iter().chain(primitive.targets.iter().flatten()) {
                 let pointer = format!("{place}/attributes/{}", shown(name));
                 faults.index(pointer, Some(*accessor), "accessors", &document.accessors);
             }

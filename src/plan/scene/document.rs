@@ -27,7 +27,7 @@ pub(super) struct Document {
     pub(super) scenes: Vec<SceneItem>,
     pub(super) nodes: Vec<Node>,
     pub(super) meshes: Vec<Mesh>,
-    pub(super) skins: Vec<IgnoredAny>,
+    pub(super) skins: Vec<Skin>,
     pub(super) animations: Vec<IgnoredAny>,
     pub(super) accessors: Vec<Accessor>,
     pub(super) buffer_views: Vec<BufferView>,
@@ -75,6 +75,7 @@ pub(super) struct Node {
     pub(super) children: Vec<usize>,
     pub(super) mesh: Option<usize>,
     pub(super) camera: Option<usize>,
+    pub(super) skin: Option<usize>,
     // Boxes, because a document may have many nodes without transforms.
     pub(super) matrix: Option<Box<[f64; 16]>>,
     pub(super) translation: Option<Box<[f64; 3]>>,
@@ -101,10 +102,12 @@ pub(super) struct Primitive {
     pub(super) indices: Option<usize>,
     pub(super) material: Option<usize>,
     pub(super) mode: Option<u32>,
+    /// Morph targets: attributes that are added to those of the primitive.
+    pub(super) targets: Vec<BTreeMap<String, usize>>,
     pub(super) extensions: Extensions,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Accessor {
     pub(super) buffer_view: Option<usize>,
@@ -118,7 +121,41 @@ pub(super) struct Accessor {
     pub(super) shape: String,
     pub(super) min: Option<Vec<f64>>,
     pub(super) max: Option<Vec<f64>>,
-    pub(super) sparse: Option<IgnoredAny>,
+    // A box, because most accessors of a document have none.
+    pub(super) sparse: Option<Box<Sparse>>,
+}
+
+/// The elements that a sparse accessor replaces.
+#[derive(Debug, Deserialize)]
+pub(super) struct Sparse {
+    pub(super) count: u64,
+    pub(super) indices: SparsePart,
+    pub(super) values: SparsePart,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct SparsePart {
+    pub(super) buffer_view: usize,
+    #[serde(default)]
+    pub(super) byte_offset: u64,
+    /// Of indices.
+    pub(super) component_type: Option<u32>,
+}
+
+/// A skin: the nodes that move the vertices of a mesh.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Skin {
+    pub(super) inverse_bind_matrices: Option<usize>,
+    pub(super) joints: Vec<usize>,
+}
+
+/// `EXT_mesh_gpu_instancing`.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Instancing {
+    pub(super) attributes: BTreeMap<String, usize>,
 }
 
 #[derive(Debug, Deserialize)]

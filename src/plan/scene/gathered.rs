@@ -31,6 +31,7 @@ impl Gathered {
             let weight = area * at.weight;
             let (histogram, all_views) = &mut self.lobes[at.kind as usize];
             histogram.add([at.alpha, at.ratio], at.f0, weight);
+            histogram.add_formula(at.formula, if at.kind == LobeKind::Base { area } else { weight });
             for view in views {
                 let theta = atan2(view.truncate().length(), view.z);
                 // Tables cover one quadrant, starting at the axis of the larger roughness.
@@ -57,6 +58,7 @@ impl Gathered {
             spots: histogram.spots(),
             views: if is_every_view { Views::default() } else { views },
             f0: histogram.f0(),
+            formula: histogram.formula(),
         };
         let kinds = [LobeKind::Base, LobeKind::Clearcoat, LobeKind::Sheen];
         let lobes = self.lobes.into_iter().zip(kinds).map(lobe).filter(|lobe| !lobe.spots.is_empty());

@@ -2,13 +2,29 @@
 
 use std::collections::BTreeMap;
 
-use glam::{DMat4, DVec2, DVec3, DVec4};
+use glam::{DMat4, DVec2, DVec3, DVec4, Vec3};
 
 use super::{
     accessor::Buffers,
     document::{Accessor, Primitive},
     error::{SceneError, Unread},
 };
+
+/// The rest pose of a mesh.
+#[derive(Debug, Default)]
+pub(super) struct Pose<'a> {
+    /// The weights of the morph targets.
+    pub(super) weights: &'a [f64],
+    /// The matrices of the skin's joints; empty without a skin.
+    pub(super) joints: &'a [DMat4],
+}
+
+/// Adds weighted vectors; missing vectors are zero.
+fn add(vectors: &mut [[f32; 3]], added: Option<Vec<[f32; 3]>>, weight: f64) {
+    for (vector, added) in vectors.iter_mut().zip(added.into_iter().flatten()) {
+        *vector = (Vec3::from(*vector) + weight as f32 * Vec3::from(added)).to_array();
+    }
+}
 
 /// Triangles with the attributes of their corners.
 #[derive(Debug, Default)]
@@ -21,12 +37,12 @@ pub(super) struct Geometry {
 }
 
 impl Geometry {
-    /// Reads a primitive with some sets of texture coordinates, and normals and tangents if `has_frames`. Points and
-    /// lines have no triangles. `place` is the primitive's JSON pointer.
+    /// Reads a primitive in its pose with some sets of texture coordinates, and normals and tangents if `has_frames`.
+    /// Points and lines have no triangles. `place` is the primitive's JSON pointer.
     pub(super) fn read(
         buffers: &Buffers<'_>,
-        primitive: &Primitive,
-        place: &str,
+        (primitive, place): (&Primitive, &str),
+        pose: &Pose<'_>,
         sets: &[u32],
         has_frames: bool,
     ) -> Result<Self, Unread> {
@@ -68,7 +84,41 @@ impl Geometry {
             5 => order.windows(3).map(|corners| [corners[0], corners[1], corners[2]]).collect(),
             _ => order.windows(2).skip(1).map(|pair| [order[0], pair[0], pair[1]]).collect(),
         };
-        Ok(Self { positions, triangles, normals, tangents, uv })
+        let mut geometry = Self { positions, triangles, normals, tangents, uv };
+        for (target, weight) in primitive.targets.iter().zip(pose.weights).filter(|(_, weight)| **weight != 0.0) {
+            let added = |name: &str| target.get(name).map(|index| buffers.numbers::<3>(*index)).transpose();
+            add(&mut geometry.positions, added("POSITION")?, *weight);
+            if let Some(normals) = &mut geometry.normals {
+                add(normals, added("NORMAL")?, *weight);
+            }
+        }
+        if !pose.joints.is_empty() {
+            let of = |name: &str| attribute(name).ok_or_else(|| Unread::Missing(format!("its skin needs {name}")));
+            let (joints, weights) = (of("JOINTS_0")?, of("WEIGHTS_0")?);
+            geometry.bend(pose.joints, &buffers.numbers::<4>(joints)?, &buffers.numbers::<4>(weights)?);
+        }
+        Ok(geometry)
+    }
+
+    /// Moves each vertex by the weighted mean of its joints' matrices.
+    fn bend(&mut self, matrices: &[DMat4], joints: &[[f32; 4]], weights: &[[f32; 4]]) {
+        for (vertex, (joints, weights)) in joints.iter().zip(weights).enumerate().take(self.positions.len()) {
+            let part = |(joint, weight): (&f32, &f32)| Some(*matrices.get(*joint as usize)? * f64::from(*weight));
+            let matrix = joints.iter().zip(weights).filter_map(part).fold(DMat4::ZERO, |sum, part| sum + part);
+            let moved = |vector: [f32; 3], matrix: &DMat4| {
+                matrix.transform_vector3(DVec3::from(vector.map(f64::from))).as_vec3().to_array()
+            };
+            let from = moved(self.positions[vertex], &matrix);
+            self.positions[vertex] = (Vec3::from(from) + matrix.w_axis.truncate().as_vec3()).to_array();
+            if let Some(normals) = &mut self.normals {
+                normals[vertex] = moved(normals[vertex], &matrix.inverse().transpose());
+            }
+            if let Some(tangents) = &mut self.tangents {
+                let [x, y, z, side] = tangents[vertex];
+                let [x, y, z] = moved([x, y, z], &matrix);
+                tangents[vertex] = [x, y, z, side];
+            }
+        }
     }
 
     /// The number of triangles.

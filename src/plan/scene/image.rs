@@ -12,21 +12,27 @@ use ltcforge_files::bounded::complete_jpeg;
 /// Maximum number of pixels of one image.
 pub(super) const MOST_PIXELS: u64 = 1 << 26;
 
-/// One to three channels of an image, 8 bits each.
+/// One to three channels of an image, 8 or 16 bits each.
 #[derive(Debug, Clone)]
 pub(super) struct Pixels {
     pub(super) size: [usize; 2],
     channels: usize,
+    /// Bytes of a channel, the highest first.
+    depth: usize,
     bytes: Vec<u8>,
 }
 
 impl Pixels {
     /// The channels of a texel, in [0, 1].
     pub(super) fn at(&self, [x, y]: [usize; 2]) -> [f64; 3] {
-        let first = (y * self.size[0] + x) * self.channels;
+        let size = self.channels * self.depth;
+        let first = (y * self.size[0] + x) * size;
         let mut out = [1.0; 3];
-        for (value, byte) in out.iter_mut().zip(&self.bytes[first..first + self.channels]) {
-            *value = f64::from(*byte) / 255.0;
+        for (value, level) in out.iter_mut().zip(self.bytes[first..first + size].chunks_exact(self.depth)) {
+            *value = match *level {
+                [high, low] => f64::from(u16::from_be_bytes([high, low])) / 65_535.0,
+                _ => f64::from(level[0]) / 255.0,
+            };
         }
         out
     }
@@ -43,16 +49,19 @@ enum Decoder<'a> {
 }
 
 impl<'a> Decoder<'a> {
-    /// The decoder of an image with the image's width and height; `None` for an unsupported format.
-    fn new(bytes: &'a [u8]) -> Decoded<Option<(Self, [usize; 2])>> {
-        Ok(Some(match bytes {
+    /// The decoder of an image, the image's width and height, and the bytes of a channel; `None` for an unsupported
+    /// format.
+    fn new(bytes: &'a [u8]) -> Decoded<Option<(Self, [usize; 2], usize)>> {
+        let mut depth = 1;
+        let (decoder, size) = match bytes {
             [0x89, b'P', b'N', b'G', ..] => {
                 let mut decoder = png::Decoder::new(Cursor::new(bytes));
                 decoder.set_ignore_text_chunk(true);
                 decoder.set_ignore_iccp_chunk(true);
-                decoder.set_transformations(png::Transformations::normalize_to_color8());
+                decoder.set_transformations(png::Transformations::EXPAND);
                 let info = decoder.read_header_info()?;
                 let size = [info.width as usize, info.height as usize];
+                depth = if info.bit_depth == png::BitDepth::Sixteen { 2 } else { 1 };
                 (Self::Png(Box::new(decoder)), size)
             }
             [0xff, 0xd8, ..] => {
@@ -70,7 +79,8 @@ impl<'a> Decoder<'a> {
                 (Self::Webp(decoder), [width as usize, height as usize])
             }
             _ => return Ok(None),
-        }))
+        };
+        Ok(Some((decoder, size, depth)))
     }
 
     /// The channels of the image and its pixels.
@@ -124,8 +134,8 @@ fn invalid(pointer: &str, error: &dyn Error) -> SceneError {
 }
 
 /// The decoder and the size of an image of at most [`MOST_PIXELS`]; `None` for an unsupported format.
-fn open<'a>(pointer: &str, bytes: &'a [u8]) -> Result<Option<(Decoder<'a>, [usize; 2])>, SceneError> {
-    let Some((decoder, size)) = Decoder::new(bytes).map_err(|error| invalid(pointer, &*error))? else {
+fn open<'a>(pointer: &str, bytes: &'a [u8]) -> Result<Option<(Decoder<'a>, [usize; 2], usize)>, SceneError> {
+    let Some((decoder, size, depth)) = Decoder::new(bytes).map_err(|error| invalid(pointer, &*error))? else {
         return Ok(None);
     };
     let [width, height] = size.map(|length| length as u64);
@@ -133,17 +143,19 @@ fn open<'a>(pointer: &str, bytes: &'a [u8]) -> Result<Option<(Decoder<'a>, [usiz
         return Err(SceneError::fault(pointer, format!("an image of {width} x {height} pixels")));
     }
     SceneError::above(format!("{pointer}: pixels of the image"), width.saturating_mul(height), MOST_PIXELS)?;
-    Ok(Some((decoder, size)))
+    Ok(Some((decoder, size, depth)))
 }
 
-/// The number of pixels that an image's header states; `None` for an unsupported format.
+/// The number of pixels that an image's header states, twice that of an image of 16 bits; `None` for an unsupported
+/// format.
 pub(super) fn pixels_of(pointer: &str, bytes: &[u8]) -> Result<Option<u64>, SceneError> {
-    Ok(open(pointer, bytes)?.map(|(_, [width, height])| width as u64 * height as u64))
+    Ok(open(pointer, bytes)?.map(|(_, [width, height], depth)| (width * height * depth) as u64))
 }
 
 /// The `wanted` channels of an image (0 red to 3 alpha). Domain: a format that [`pixels_of`] reads.
 pub(super) fn decode(pointer: &str, bytes: &[u8], wanted: &[usize]) -> Result<Pixels, SceneError> {
-    let (decoder, size) = open(pointer, bytes)?.ok_or_else(|| SceneError::fault(pointer, "not PNG, JPEG or WebP"))?;
+    let (decoder, size, depth) =
+        open(pointer, bytes)?.ok_or_else(|| SceneError::fault(pointer, "not PNG, JPEG or WebP"))?;
     let (channels, pixels) = decoder.pixels(size).map_err(|error| invalid(pointer, &*error))?;
     let from = |wanted: usize| match channels {
         1 => (wanted < 3).then_some(0),
@@ -151,8 +163,11 @@ pub(super) fn decode(pointer: &str, bytes: &[u8], wanted: &[usize]) -> Result<Pi
         n => (wanted < n).then_some(wanted),
     };
     let from: Vec<Option<usize>> = wanted.iter().map(|channel| from(*channel)).collect();
-    let kept = pixels.chunks_exact(channels).flat_map(|pixel| from.iter().map(|from| from.map_or(255, |i| pixel[i])));
-    Ok(Pixels { size, channels: wanted.len(), bytes: kept.collect() })
+    let kept = pixels.chunks_exact(channels * depth).flat_map(|pixel| {
+        let level = move |from: &Option<usize>| from.map_or(&[255; 2][..depth], |i| &pixel[i * depth..][..depth]);
+        from.iter().flat_map(level)
+    });
+    Ok(Pixels { size, channels: wanted.len(), depth, bytes: kept.copied().collect() })
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use super::{
     document::{AlphaMode, Anisotropy, Clearcoat, Ior, Material, Sheen, Specular, TextureInfo},
     error::{Faults, SceneError, Unread, named},
     extensions::{is_ggx, uncovered},
+    specification::Specification,
     texture::{Sampled, linear},
     textures::{Textures, extension},
 };
@@ -39,12 +40,22 @@ pub(super) struct LobeAt {
     pub(super) turn: f64,
     /// Reflectance at normal incidence and its part of the surface: of dielectrics, then of metal.
     pub(super) f0: [[f64; 2]; 2],
+    /// The lobe's reflectance at normal and at grazing incidence, for measurements.
+    pub(super) formula: [f64; 2],
 }
 
 impl LobeAt {
     /// An isotropic lobe of a dielectric.
     pub(super) fn isotropic(kind: LobeKind, weight: f64, alpha: f64, f0: f64) -> Self {
-        Self { kind, weight, alpha: alpha.max(ALPHA_FLOOR), ratio: 1.0, turn: 0.0, f0: [[f0, 1.0], [0.0; 2]] }
+        Self {
+            kind,
+            weight,
+            alpha: alpha.max(ALPHA_FLOOR),
+            ratio: 1.0,
+            turn: 0.0,
+            f0: [[f0, 1.0], [0.0; 2]],
+            formula: [f0, 1.0],
+        }
     }
 }
 
@@ -107,11 +118,11 @@ impl Shaded {
             anisotropy = Anisotropy::default();
         }
         let mut clearcoat: Clearcoat = extension(&place, extensions, "KHR_materials_clearcoat")?;
-        if clearcoat.clearcoat_factor <= 0.0 {
+        if clearcoat.clearcoat_factor == 0.0 {
             clearcoat = Clearcoat::default();
         }
         let mut sheen: Sheen = extension(&place, extensions, "KHR_materials_sheen")?;
-        if sheen.sheen_color_factor.iter().all(|colour| *colour <= 0.0) {
+        if sheen.sheen_color_factor == [0.0; 3] {
             sheen = Sheen::default();
         }
         let alpha = pbr.base_color_texture.as_ref().filter(|_| material.alpha_mode != AlphaMode::Opaque);
@@ -139,7 +150,7 @@ impl Shaded {
             }
         }
         let number = || index.map_or("the default material".to_owned(), |index| format!("material {index}"));
-        let shaded = Self {
+        let mut shaded = Self {
             name: named(material.name.as_deref(), number),
             double_sided: material.double_sided,
             has_normal_map: material.normal_texture.is_some() || clearcoat.clearcoat_normal_texture.is_some(),
@@ -159,6 +170,11 @@ impl Shaded {
             missing,
         };
         shaded.check(&place)?;
+        if shaded.specular_factor() == 0.0 && shaded.metallic == 0.0 {
+            shaded
+                .uncovered
+                .push("it reflects only diffusely: specularFactor is 0 (KHR_materials_specular)".to_owned());
+        }
         Ok(shaded)
     }
 
@@ -174,26 +190,33 @@ impl Shaded {
             ("extensions/KHR_materials_clearcoat/clearcoatFactor", self.clearcoat.clearcoat_factor),
             ("extensions/KHR_materials_clearcoat/clearcoatRoughnessFactor", self.clearcoat.clearcoat_roughness_factor),
             ("extensions/KHR_materials_sheen/sheenRoughnessFactor", self.sheen.sheen_roughness_factor),
+            ("extensions/KHR_materials_specular/specularFactor", self.specular_factor()),
         ];
         let colour = self.base_color.map(|part| ("pbrMetallicRoughness/baseColorFactor", part));
         let sheen = self.sheen.sheen_color_factor.map(|part| ("extensions/KHR_materials_sheen/sheenColorFactor", part));
         for (field, value) in factors.into_iter().chain(colour).chain(sheen) {
             faults.within(format!("{place}/{field}"), value, 1.0);
         }
-        let f0 = self.dielectric_f0(1.0, [1.0; 3]);
-        if !(0.0..f64::INFINITY).contains(&f0) {
-            faults.add(format!("{place}/extensions/KHR_materials_specular"), format!("invalid reflectance {f0}"));
+        for part in self.specular.specular_color_factor.unwrap_or([1.0; 3]) {
+            faults.within(format!("{place}/extensions/KHR_materials_specular/specularColorFactor"), part, f64::MAX);
+        }
+        if self.ior != 0.0 && !(1.0..f64::INFINITY).contains(&self.ior) {
+            let detail = format!("{} is neither 0 nor at least 1", self.ior);
+            faults.add(format!("{place}/extensions/KHR_materials_ior/ior"), detail);
         }
         faults.none()
     }
 
-    /// The reflectance of a dielectric at normal incidence: `min(f0 luminance(colour), 1) factor` by
-    /// `KHR_materials_specular`. `factor` and `colour` are values of the textures.
-    fn dielectric_f0(&self, factor: f64, colour: [f64; 3]) -> f64 {
+    fn specular_factor(&self) -> f64 {
+        self.specular.specular_factor.unwrap_or(1.0)
+    }
+
+    /// The shape of a dielectric's lobe: its reflectance at normal incidence divided by its reflectance at grazing
+    /// incidence, `min(f0 colour, 1)` by `KHR_materials_specular`. `colour` is the texture's value.
+    fn dielectric_f0(&self, colour: [f64; 3]) -> f64 {
         let root = if self.ior > 0.0 { (self.ior - 1.0) / (self.ior + 1.0) } else { 1.0 };
         let tint = self.specular.specular_color_factor.unwrap_or([1.0; 3]);
-        let light = luminance([0, 1, 2].map(|i| tint[i] * colour[i]));
-        (root * root * light).min(1.0) * self.specular.specular_factor.unwrap_or(1.0) * factor
+        luminance([0, 1, 2].map(|i| (root * root * tint[i] * colour[i]).min(1.0)))
     }
 
     /// The sets of texture coordinates that the material's textures use.
@@ -225,9 +248,23 @@ impl Shaded {
         let [roughness, metallic, _] = at(Map::Surface);
         let mut base = lobe(LobeKind::Base, f64::from(u8::from(self.is_ggx)), self.roughness * roughness);
         let metallic = self.metallic * metallic;
-        let dielectric = self.dielectric_f0(at(Map::Specular)[0], colour(Map::SpecularColour));
+        let (specular, specular_color) = (self.specular_factor() * at(Map::Specular)[0], colour(Map::SpecularColour));
         let [red, green, blue, factor] = self.base_color;
-        base.f0 = [[dielectric, 1.0 - metallic], [luminance([red, green, blue]), metallic]];
+        // The factor of a dielectric scales all of its lobe, so it is a weight.
+        let dielectric = (1.0 - metallic) * specular;
+        base.weight *= dielectric + metallic;
+        let part = |weight: f64| if weight > 0.0 { weight / (dielectric + metallic) } else { 0.0 };
+        base.f0 =
+            [[self.dielectric_f0(specular_color), part(dielectric)], [luminance([red, green, blue]), part(metallic)]];
+        let tint = self.specular.specular_color_factor.unwrap_or([1.0; 3]);
+        let glossy = Specification {
+            base_color: [red, green, blue],
+            metallic,
+            ior: self.ior,
+            specular,
+            specular_color: [0, 1, 2].map(|i| tint[i] * specular_color[i]),
+        };
+        base.formula = glossy.reflectance();
         if self.is_anisotropic() {
             let map = map(Map::Anisotropy);
             let direction = map.map_or(0.0, |[x, y, _]| atan2(2.0 * y - 1.0, 2.0 * x - 1.0));

@@ -18,6 +18,7 @@ mod image;
 mod list;
 mod material;
 mod model;
+mod specification;
 mod surface;
 mod texture;
 mod textures;
@@ -64,11 +65,12 @@ impl Scene {
     fn of_container(mut container: Container, go_on: &GoOn<'_>) -> Result<Self, SceneError> {
         let document = Document::parse(&container.json)?;
         check(&document)?;
-        let graph = Graph::of(&document)?;
         let buffers = Buffers::read(&document, &mut container)?;
+        let graph = Graph::of(&document, &buffers)?;
         let materials = materials(&document, &graph, &buffers, &mut container, go_on)?;
         let mut scene = surface::gather(&document, &buffers, &graph, &materials, go_on)?;
-        scene.notes.extend(ignored(&document, &graph));
+        scene.notes.extend(ignored(&document));
+        scene.notes.extend(graph.notes);
         if let Some(material) = scene.materials.iter().find(|material| !material.area.is_finite()) {
             return Err(SceneError::fault("", format!("the surface of {} is not finite", material.name)));
         }
@@ -77,21 +79,17 @@ impl Scene {
 }
 
 /// Notes about parts of a document that change surfaces but are not read.
-fn ignored(document: &Document, graph: &Graph) -> Vec<String> {
+fn ignored(document: &Document) -> Vec<String> {
     let required = unknown(document.extensions_required.iter());
     let required = required.map(|name| format!("the scene requires {}, which is ignored", shown(name)));
     let mut notes: Vec<String> = required.collect();
-    let of_nodes = document.nodes.iter().flat_map(|node| &node.weights);
-    let mut weights = of_nodes.chain(document.meshes.iter().flat_map(|mesh| &mesh.weights));
     for (is_ignored, note) in [
-        (graph.is_instanced, "EXT_mesh_gpu_instancing: each mesh counts as one instance"),
         (
             document.extensions_used.iter().any(|name| name == "KHR_materials_variants"),
             "variants of materials are ignored: each surface has its default material",
         ),
-        (weights.any(|weight| *weight != 0.0), "morph targets are ignored"),
         (
-            !document.skins.is_empty() || !document.animations.is_empty(),
+            !document.animations.is_empty(),
             "animations are ignored: meshes, cameras and materials are used in their rest pose",
         ),
     ] {
@@ -109,8 +107,7 @@ fn materials(
     go_on: &GoOn<'_>,
 ) -> Result<Vec<Option<Shaded>>, SceneError> {
     let mut used = vec![false; document.materials.len() + 1];
-    let meshes = document.meshes.iter().zip(&graph.worlds).filter(|(_, worlds)| !worlds.is_empty());
-    for primitive in meshes.flat_map(|(mesh, _)| &mesh.primitives) {
+    for primitive in graph.worlds.keys().flat_map(|posed| &document.meshes[posed.mesh].primitives) {
         used[primitive.material.unwrap_or(document.materials.len())] = true;
     }
     let mut textures = Textures::new(document, buffers, container, go_on);

@@ -14,6 +14,9 @@ pub struct SceneLobe {
     pub views: Views,
     /// Reflectance at normal incidence and its weight: of dielectrics, then of metal.
     pub f0: Vec<[f64; 2]>,
+    /// The lobe by the specification: mean reflectance at normal and at grazing incidence, and the area, of surface
+    /// that reflects like a dielectric and of surface that reflects like metal.
+    pub(crate) formula: Vec<[f64; 3]>,
 }
 
 impl SceneLobe {

@@ -1,7 +1,7 @@
 //! Gathers the lobes of a scene's surface. Without cameras, the weight of an untextured material is the area of its
 //! triangles. Other materials are read at points that are spread evenly over their surface.
 
-use std::ops::Range;
+use std::{collections::BTreeMap, ops::Range};
 
 use glam::{DMat4, DVec3};
 use rayon::prelude::*;
@@ -12,7 +12,7 @@ use super::{
     document::{Document, Primitive},
     error::{SceneError, Unread, named},
     gathered::Gathered,
-    geometry::{Geometry, box_area},
+    geometry::{Geometry, Pose, box_area},
     graph::Graph,
     material::Shaded,
     model::Scene,
@@ -39,6 +39,7 @@ const MOST_TRIANGLES: u64 = 1 << 26;
 /// A primitive in the scene.
 struct Part<'a> {
     mesh: usize,
+    pose: Pose<'a>,
     primitive: &'a Primitive,
     /// The JSON pointer of the primitive.
     place: String,
@@ -60,26 +61,31 @@ pub(super) fn gather(
     let cameras = graph.cameras.len();
     SceneError::above("cameras", cameras as u64, MOST_CAMERAS)?;
     let parts = || {
-        let meshes = document.meshes.iter().zip(&graph.worlds).enumerate();
-        meshes.filter(|(_, (_, worlds))| !worlds.is_empty()).flat_map(|(index, (mesh, worlds))| {
+        graph.worlds.iter().flat_map(|(posed, worlds)| {
+            let index = posed.mesh;
+            let mesh = &document.meshes[index];
             mesh.primitives.iter().enumerate().filter_map(move |(number, primitive)| {
                 let place = format!("/meshes/{index}/primitives/{number}");
                 let slot = primitive.material.unwrap_or(document.materials.len());
-                Some(Part { mesh: index, primitive, place, slot, material: materials[slot].as_ref()?, worlds })
+                let joints = posed.skin.and_then(|skin| graph.skins.get(&skin)).map_or(&[][..], Vec::as_slice);
+                let pose =
+                    Pose { weights: posed.node.map_or(&mesh.weights, |node| &document.nodes[node].weights), joints };
+                Some(Part { mesh: index, pose, primitive, place, slot, material: materials[slot].as_ref()?, worlds })
             })
         })
     };
     let mut scene = Scene { cameras, ..Scene::default() };
     // The area that is read at points.
     let (mut sampled, mut corners, mut looks) = (0.0, 0, 0_u64);
-    for Part { primitive, place, material, worlds, .. } in parts() {
+    for Part { pose, primitive, place, material, worlds, .. } in parts() {
         SceneError::unless(go_on)?;
         // Elements are counted before they are read.
         let count = |accessor: usize| document.accessors[accessor].count;
-        let read = primitive.attributes.values().copied().chain(primitive.indices).map(count);
+        let read = primitive.attributes.values().chain(primitive.targets.iter().flat_map(BTreeMap::values));
+        let read = read.copied().chain(primitive.indices).map(count);
         corners = read.fold(corners, u64::saturating_add);
         SceneError::above("corners and indices of all primitives", corners, MOST_CORNERS)?;
-        let geometry = Unread::split(Geometry::read(buffers, primitive, &place, &[], false))?;
+        let geometry = Unread::split(Geometry::read(buffers, (primitive, &place), &pose, &[], false))?;
         let work = geometry.as_ref().map_or(POINTS_OF_BOX, Geometry::len) as u64;
         let instances = worlds.len() as u64;
         // An instance takes time even if it has no triangle.
@@ -94,12 +100,20 @@ pub(super) fn gather(
     let points = POINTS * (FULL_CAMERAS / cameras as f64).min(1.0);
     let per_point = if sampled > 0.0 { sampled / points } else { 1.0 };
     let mut gathered: Vec<Gathered> = materials.iter().map(|_| Gathered::default()).collect();
-    for Part { mesh, primitive, place, slot, material, worlds } in parts() {
+    for Part { mesh, pose, primitive, place, slot, material, worlds } in parts() {
         let mut sets = material.sets();
-        if cameras > 0 && material.is_anisotropic() && sets.is_empty() {
+        let has = |name: &str| primitive.attributes.contains_key(name);
+        // Without tangents, the direction of a material is along the first texture coordinate.
+        let needs_uv = cameras > 0 && material.is_anisotropic() && sets.is_empty() && !has("TANGENT");
+        if needs_uv && has("TEXCOORD_0") {
             sets.push(0);
         }
-        match Unread::split(Geometry::read(buffers, primitive, &place, &sets, cameras > 0))? {
+        let read = if needs_uv && sets.is_empty() && has("POSITION") {
+            Err(Unread::Missing("it has no TANGENT, which its anisotropic material needs".to_owned()))
+        } else {
+            Geometry::read(buffers, (primitive, &place), &pose, &sets, cameras > 0)
+        };
+        match Unread::split(read)? {
             Ok(geometry) => {
                 for world in worlds {
                     let instance = Instance { material, geometry: &geometry, world, cameras: &graph.cameras };
