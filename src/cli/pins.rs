@@ -202,7 +202,7 @@ mod tests {
             (pin(Some("wgpu"), Some("reflected"), Some("dds"), None), "use «for», or"),
             (pin(None, Some("reflected"), None, None), "use «for», or"),
         ] {
-            let parsed = name_of(&asked).map(|name| name.parse::<Export>().map_err(|error| usage(error)));
+            let parsed = name_of(&asked).map(|name| name.parse::<Export>().map_err(usage));
             let refused = parsed.and_then(|export| export).expect_err(said);
             assert_eq!(refused.exit, super::super::Exit::Usage);
             assert!(refused.message.contains(said), "{}", refused.message);

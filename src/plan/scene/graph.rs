@@ -67,7 +67,9 @@ impl Graph {
                 };
                 // A skin places its mesh; the node does not.
                 let world = if skin.is_some() { DMat4::IDENTITY } else { world };
-                all.iter_mut().for_each(|instance| *instance = world * *instance);
+                for instance in &mut all {
+                    *instance = world * *instance;
+                }
                 graph.worlds.entry(posed).or_default().extend(all);
             }
             graph.cameras.extend(node.camera.and_then(|camera| Placed::new(&document.cameras[camera], world)));
@@ -116,7 +118,7 @@ fn instanced(
     let Instancing { attributes } = extension(&place, &document.nodes[index].extensions, NAME)?;
     let of = |name: &str| attributes.get(name).copied();
     let Some(first) = of("TRANSLATION").or(of("ROTATION")).or(of("SCALE")) else { return Ok(vec![DMat4::IDENTITY]) };
-    for accessor in attributes.values().filter(|accessor| **accessor >= document.accessors.len()) {
+    if let Some(accessor) = attributes.values().find(|accessor| **accessor >= document.accessors.len()) {
         let detail = out_of_range(*accessor, "accessors", &document.accessors);
         return Err(SceneError::fault(format!("{place}/extensions/{NAME}/attributes"), detail).into());
     }
