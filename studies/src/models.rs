@@ -19,20 +19,9 @@ use crate::{
     tables::fitted,
 };
 
-/// Lights per row of the first table, in its tail, and per row of walls.
-const LIGHTS: [usize; 3] = [4000, 20_000, 600];
+/// Lights per row of the first table, and in its tail.
+const LIGHTS: [usize; 2] = [4000, 20_000];
 const RULES: [NormalsRule; 3] = [NormalsRule::Fast, NormalsRule::Balanced, NormalsRule::Fine];
-/// The rows of walls: name, height and tilt of the lower edge.
-const WALLS: [(&str, f64, f64); 7] = [
-    ("on the surface", 0.0, 0.0),
-    (".01 above", 0.01, 0.0),
-    (".06 above", 0.06, 0.0),
-    (".2 above", 0.2, 0.0),
-    (".06 below", -0.06, 0.0),
-    ("one end .05 above, the other .01 below", 0.02, 0.03),
-    ("one end .01 above, the other .05 below", -0.02, 0.03),
-];
-
 /// The kinds in the table for the visible part by four arcs.
 const ARCS: [Kind; 6] = [Kind::Random, Kind::Anisotropic, Kind::Huge, Kind::Steep, Kind::Strip, Kind::Sliver];
 
@@ -80,7 +69,7 @@ fn extremes(lights: usize) -> String {
 /// # Errors
 /// None, because preset `paper` is a recipe.
 pub fn tables(part: f64) -> Result<String, ltcforge::Error> {
-    let [lights, tail, walls] = LIGHTS.map(|count| ((count as f64 * part) as usize).max(20));
+    let [lights, tail] = LIGHTS.map(|count| ((count as f64 * part) as usize).max(20));
     let table = fitted(&Recipe::builder().preset(Preset::Paper).build()?);
     let mut out = String::new();
     // Writing to a String cannot fail.
@@ -124,15 +113,6 @@ pub fn tables(part: f64) -> Result<String, ltcforge::Error> {
     for (i, kind) in ARCS.into_iter().enumerate() {
         let cases = cases(kind, 1040 + i as u64, lights);
         let _ = writeln!(out, "| V, {} | {} |", kind.name(), spread(visible_errors(&cases)));
-    }
-
-    let _ = writeln!(out, "\ndocs/normals.md, {walls} walls a row:\n");
-    out += "| lower edge, in heights of the wall | `balanced` | `fine` |\n|---|---|---|\n";
-    for (i, (name, foot, tilt)) in WALLS.into_iter().enumerate() {
-        let cases = cases(Kind::Wall { foot, tilt }, 1020 + i as u64, walls);
-        let cells =
-            [NormalsRule::Balanced, NormalsRule::Fine].map(|rule| spread(errors(&cases, |lit| by_rule(rule, lit))[0]));
-        let _ = writeln!(out, "| {name} | {} |", cells.join(" | "));
     }
 
     out += "\ndocs/lights.md:\n\n| lights | rule | energy: mean, p95, max | Fresnel part: mean, p95, max |\n|---|---|---|---|\n";
