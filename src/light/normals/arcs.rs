@@ -52,7 +52,7 @@ const STRAIGHT_EDGE: f64 = 1e-12;
 pub(super) struct Arcs<T> {
     /// The integral of `c x dc` along the arcs.
     pub(super) flux: Triple<T>,
-    /// The point between both halves, equally far from both ends.
+    /// The point where the two halves meet, equally far from both ends.
     pub(super) middle: Triple<T>,
     /// The points between the arcs of each half, slightly outside of the image.
     pub(super) quarters: [Triple<T>; 2],

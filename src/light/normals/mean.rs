@@ -1,4 +1,4 @@
-//! The mean weight over the visible normals that reflect a light, from numbers of their region and a network's outputs.
+//! The mean weight over the visible normals that reflect a light, from values of their region and a network's outputs.
 
 use super::{NormalsRule, view::View};
 use ltcforge_fit::math::{Scalar, Triple, dot, minus};
@@ -33,9 +33,9 @@ pub struct Region<T> {
 impl<T: Scalar> Region<T> {
     /// The mean weight over the region, and the mean weight times Schlick's factor, from the outputs of a network.
     ///
-    /// The mean is a blend of the weights at the mean normal and along the outline, and then moves away from it in
-    /// proportion to the extent. Nothing is cut off, so the result is as smooth as the light. For a small region all
-    /// weights are equal and the network has no influence.
+    /// The mean is a blend of the weights at the mean normal and along the outline, plus a correction proportional to
+    /// the extent. The result needs no clamp, which would draw contours into highlights. For a small region all weights
+    /// are equal and the network has no influence.
     #[must_use]
     pub fn mean(&self, [at_mean, more, more_schlick, at_outline, schlick_at_outline]: [T; OUTPUTS]) -> [T; 2] {
         let moved = |x: T, more: T| x * (T::ONE + self.extent * bounded(more) * (T::ONE - x));
@@ -72,7 +72,7 @@ pub(super) struct Outlined<T> {
 impl<T: Scalar> Outlined<T> {
     pub(super) const NONE: Self = Self { size: T::ZERO, sums: [T::ZERO; 4] };
 
-    /// Adds the image of an edge, which begins at `from`. `samples` are points of the image.
+    /// Adds the image of an edge, which begins at `from`. `samples` are points on or near the image.
     pub(super) fn add(&mut self, view: &View<T>, from: Triple<T>, middle: Triple<T>, samples: &[Triple<T>]) {
         let half = minus(middle, from);
         // Rounding can move the middle of a long edge beyond the visible normals.

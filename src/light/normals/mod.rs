@@ -196,8 +196,8 @@ pub fn visible<T: Scalar>(alpha: [T; 2], wo: Triple<T>, vertices: &[Triple<T>]) 
     dot(exact::flux(&view, &outline.corners), view.stretched) * to_visible(&view)
 }
 
-/// Like [`visible`], from four arcs per edge. `bulge` is how far outside of the image the arcs meet. Rules `balanced`
-/// and `fine` use [`BULGE`].
+/// Like [`visible`], from four arcs per edge. `bulge` is how far outside of the image the arcs meet. All rules use
+/// [`BULGE`]; the angles are those of `balanced` and `fine`.
 #[must_use]
 pub fn visible_by_arcs<T: Scalar>(alpha: [T; 2], wo: Triple<T>, vertices: &[Triple<T>], bulge: [f64; 2]) -> T {
     let view = View::new(alpha, wo);

@@ -12,7 +12,7 @@ pub struct Network<'a> {
 }
 
 impl Network<'_> {
-    /// Evaluates the network. Domain: no row of H has more than one number more than there are inputs. Outputs without
+    /// Evaluates the network. Domain: a row of H has at most one number more than there are inputs. Outputs without
     /// a row are zero.
     #[must_use]
     pub fn at<T: Scalar, const OUTPUTS: usize>(&self, inputs: &[T]) -> [T; OUTPUTS] {

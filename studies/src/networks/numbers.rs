@@ -56,7 +56,7 @@ impl Numbers {
     }
 
     /// The numbers as written in the shader of the rule: matrices in column order, each with at most four inputs and
-    /// four units. The fifth output is apart.
+    /// four units. The fifth output is a separate dot product.
     #[must_use]
     pub fn as_wgsl(&self, rule: NormalsRule) -> String {
         let mut out = String::new();

@@ -55,11 +55,11 @@ pub(super) fn weight(kind: Kind) -> f64 {
     if matches!(kind, Kind::Random | Kind::Anisotropic | Kind::Strip) { 3.0 } else { 1.0 }
 }
 
-/// What a network has to learn. The inputs of the regions are normalised.
+/// A training example. The inputs of the regions are normalised.
 pub(super) enum Lesson {
     /// The true light of a region, and the weight of the case.
     Light(Region<f64>, [f64; 2], f64),
-    /// A light that grows, in some steps. What it reflects must not fall.
+    /// A light that grows, in some steps. Its reflected light must not decrease.
     Growth(Vec<Region<f64>>),
 }
 
@@ -152,7 +152,7 @@ impl Search {
         }
         for output in 0..outputs {
             weights.extend((0..units).map(|_| 0.1 * normal()));
-            // Both blends start in their middle.
+            // Both blends start with equal shares.
             weights.push(if SHARES.contains(&output) { 0.5 } else { 0.0 });
         }
         Self { inputs, units, outputs, weights }
