@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// ltcforge 0.1.0, revision 2, sha256 of the text below: 117aeda71c8ced36
+// ltcforge 0.1.0, revision 2, sha256 of the text below: 0b5e2b753596a050
 // Area lights on GGX without a table, in the space of its normals, by rule balanced.
 //
 //   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
@@ -163,8 +163,8 @@ NormalsSum normals_add(NormalsView view, NormalsSum sum, NormalsCorner begin, No
 }
 
 // The mean of the weight (x) and of the weight times Schlick's factor (y) over the light. They are blends of the values
-// at the mean normal, at the mean rise of the outline, and along the outline, with shares from a network. Then they
-// move by an amount that grows with the extent. Nothing is cut off, so the light has no contours.
+// at the mean normal, at the mean rise of the outline, and along the outline, with shares from a network. A
+// correction proportional to the extent follows. It needs no clamp, which would draw contours into highlights.
 vec2 normals_blend(vec2 at_mean, float at_rise, vec2 outline, float extent, vec4 outputs, float fifth) {
     vec2 near = clamp(outputs.wx, 0.0, 1.0);
     vec2 shares = near * near * (3.0 - 2.0 * near);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// ltcforge 0.1.0, revision 2, sha256 of the text below: bf826762f59b7190
+// ltcforge 0.1.0, revision 2, sha256 of the text below: 4ba2745cd5d01ce2
 // Area lights on GGX without a table, in the space of its normals, by rule balanced.
 //
 //   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
@@ -183,8 +183,8 @@ NormalsSum normals_add(NormalsView view, NormalsSum sum, NormalsCorner begin, No
 }
 
 // The mean of the weight (x) and of the weight times Schlick's factor (y) over the light. They are blends of the values
-// at the mean normal, at the mean rise of the outline, and along the outline, with shares from a network. Then they
-// move by an amount that grows with the extent. Nothing is cut off, so the light has no contours.
+// at the mean normal, at the mean rise of the outline, and along the outline, with shares from a network. A
+// correction proportional to the extent follows. It needs no clamp, which would draw contours into highlights.
 float2 normals_blend(float2 at_mean, float at_rise, float2 outline, float extent, float4 outputs, float fifth) {
     float2 near_ = saturate(outputs.wx);
     float2 shares = near_ * near_ * (3.0 - 2.0 * near_);

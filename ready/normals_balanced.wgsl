@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// ltcforge 0.1.0, revision 2, sha256 of the text below: 2091abdf27d7d367
+// ltcforge 0.1.0, revision 2, sha256 of the text below: 0deeedec4f9fa037
 // Area lights on GGX without a table, in the space of its normals, by rule balanced.
 //
 //   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
@@ -158,8 +158,8 @@ fn normals_fifth(x: f32) -> f32 {
 }
 
 /// The mean of the weight (x) and of the weight times Schlick's factor (y) over the light. They are blends of the values
-/// at the mean normal, at the mean rise of the outline, and along the outline, with shares from a network. Then they
-/// move by an amount that grows with the extent. Nothing is cut off, so the light has no contours.
+/// at the mean normal, at the mean rise of the outline, and along the outline, with shares from a network. A
+/// correction proportional to the extent follows. It needs no clamp, which would draw contours into highlights.
 fn normals_blend(at_mean: vec2<f32>, at_rise: f32, outline: vec2<f32>, extent: f32, outputs: vec4<f32>, fifth: f32) -> vec2<f32> {
     let near = saturate(outputs.wx);
     let shares = near * near * (3.0 - 2.0 * near);

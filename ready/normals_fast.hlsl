@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// ltcforge 0.1.0, revision 2, sha256 of the text below: 286508a19f8605d3
+// ltcforge 0.1.0, revision 2, sha256 of the text below: 815f8378a34ee61d
 // Area lights on GGX without a table, in the space of its normals, by rule fast.
 //
 //   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
@@ -159,8 +159,8 @@ NormalsSum normals_add(NormalsView view, NormalsSum sum, NormalsCorner begin, No
 }
 
 // The fraction of the visible normals that reflect the light, times their mean weight. It is a blend of the weights at
-// the mean normal and at the corners, with a share from a network. Then it moves by an amount that grows with the
-// fraction. Nothing is cut off, so the light has no contours.
+// the mean normal and at the corners, with a share from a network. A correction proportional to the fraction follows.
+// It needs no clamp, which would draw contours into highlights.
 float2 normals_mean(NormalsView view, NormalsSum sum, float projected, bool two_sided) {
     float part = saturate((two_sided ? abs(projected) : projected) * 0.31830989 / (view.wo.z + view.length));
     float2 at_mean = normals_weight(view, sum.flux);

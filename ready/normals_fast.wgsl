@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// ltcforge 0.1.0, revision 2, sha256 of the text below: 3b3aa3fa995f274e
+// ltcforge 0.1.0, revision 2, sha256 of the text below: 04b2fd94cfbf7b76
 // Area lights on GGX without a table, in the space of its normals, by rule fast.
 //
 //   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
@@ -139,8 +139,8 @@ fn normals_add(view: NormalsView, sum: NormalsSum, begin: NormalsCorner, end: No
 }
 
 /// The fraction of the visible normals that reflect the light, times their mean weight. It is a blend of the weights at
-/// the mean normal and at the corners, with a share from a network. Then it moves by an amount that grows with the
-/// fraction. Nothing is cut off, so the light has no contours.
+/// the mean normal and at the corners, with a share from a network. A correction proportional to the fraction follows.
+/// It needs no clamp, which would draw contours into highlights.
 fn normals_mean(view: NormalsView, sum: NormalsSum, projected: f32, two_sided: bool) -> vec2<f32> {
     let part = saturate(select(projected, abs(projected), two_sided) * 0.31830989 / (view.wo.z + view.length));
     let at_mean = normals_weight(view, sum.flux);

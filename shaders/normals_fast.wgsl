@@ -15,8 +15,8 @@ fn normals_add(view: NormalsView, sum: NormalsSum, begin: NormalsCorner, end: No
 }
 
 /// The fraction of the visible normals that reflect the light, times their mean weight. It is a blend of the weights at
-/// the mean normal and at the corners, with a share from a network. Then it moves by an amount that grows with the
-/// fraction. Nothing is cut off, so the light has no contours.
+/// the mean normal and at the corners, with a share from a network. A correction proportional to the fraction follows.
+/// It needs no clamp, which would draw contours into highlights.
 fn normals_mean(view: NormalsView, sum: NormalsSum, projected: f32, two_sided: bool) -> vec2<f32> {
     let part = saturate(select(projected, abs(projected), two_sided) * 0.31830989 / (view.wo.z + view.length));
     let at_mean = normals_weight(view, sum.flux);

@@ -39,6 +39,8 @@ pub enum Kind {
     Sky,
     /// `Extreme` with both roughnesses drawn over several decades.
     Needle,
+    /// `Random` with alpha from 0.25 to 1 and ratio 1/50.
+    Thin,
     /// An upright wall opposite the viewer. The middle of its lower edge is `foot` times its height above the surface.
     /// One end of this edge is `tilt` times the height higher, and the other end is lower.
     Wall {
@@ -101,6 +103,7 @@ impl Kind {
             Self::Sky => "ceilings, up to a white sky",
             Self::Extreme => "extremes: alpha 1e-4 to 1, ratio .05 to 1, sizes 0.002 to 50, views to 89.9 degrees",
             Self::Needle => "extremes, but both roughnesses log-uniform from 1e-4 to 1",
+            Self::Thin => "needles: alpha .25 to 1, ratio 1:50",
             Self::Wall { .. } => "walls",
             Self::NearHorizon => "walls near the surface",
             Self::Floor => "floors and ceilings",
@@ -243,6 +246,7 @@ const ALL: Surfaces = Surfaces {
 };
 const ANISOTROPIC: Surfaces =
     Surfaces { alpha: |draw| draw.0.within(0.1, 0.6), other: |draw, alpha| alpha * draw.0.within(0.03, 0.23), ..ALL };
+const THIN: Surfaces = Surfaces { alpha: |draw| draw.0.within(0.25, 1.0), other: |_, alpha| alpha / 50.0, ..ALL };
 const ISOTROPIC: Surfaces = Surfaces { alpha: |draw| draw.0.within(0.02, 1.0), other: |_, alpha| alpha, ..ALL };
 const EXTREME: Surfaces = Surfaces {
     alpha: |draw| draw.0.logarithmic(1e-4, 1.0),
@@ -283,6 +287,7 @@ impl Generator {
         match kind {
             Kind::Random => self.around_lobe(&ALL, USUAL, 1.0),
             Kind::Isotropic => self.around_lobe(&ISOTROPIC, [0.05, 50.0], 1.0),
+            Kind::Thin => self.around_lobe(&THIN, USUAL, 1.0),
             Kind::Anisotropic => self.around_lobe(&ANISOTROPIC, USUAL, 1.0),
             Kind::Huge => self.around_lobe(&ALL, [50.0, 50.0], 1.0),
             Kind::Sky => {

@@ -86,6 +86,7 @@ pub fn tables(part: f64) -> Result<String, ltcforge::Error> {
         Kind::Tiny,
         Kind::Strip,
         Kind::Extreme,
+        Kind::Thin,
     ]
     .into_iter()
     .enumerate()
