@@ -71,6 +71,7 @@ fn frames(_: &mut Criterion) {
         ("normals, rule balanced", usual(), &single, normals(NormalsRule::Balanced)),
         ("normals, rule fast", usual(), &single, normals(NormalsRule::Fast)),
         ("normals, rule fine", usual(), &single, normals(NormalsRule::Fine)),
+        ("ltc-formula", usual(), &single, by(LightModel::LtcFormula)),
         ("normals, eight edges", usual(), &single, octagon(normals(NormalsRule::Balanced))),
         ("sg", usual(), &single, by(LightModel::Sg)),
         ("asg", usual(), &single, by(LightModel::Asg)),

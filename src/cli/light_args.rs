@@ -48,7 +48,7 @@ pub struct LightArgs {
     /// Picture on rectangular lights; prints the reflected channels
     ///
     /// PNG, `OpenEXR`, Radiance HDR or JPEG. The picture's upper left corner is at the first vertex; its rows run toward
-    /// the second vertex. The Fresnel factor is 1, or Schlick's with --f0. Models: normals, or ltc with a table
+    /// the second vertex. The Fresnel factor is 1, or Schlick's with --f0. Models: normals, ltc-formula, or ltc with a table
     #[arg(long, value_name = "IMAGE")]
     pub texture: Option<PathBuf>,
     /// Texture reads per light, with --texture [default: 4]

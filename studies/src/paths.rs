@@ -6,24 +6,25 @@ use ltcforge::{
     light::{
         NormalsRule,
         normals::{BULGE, reflected, visible_by_arcs},
-        truth_within,
     },
 };
 
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::lights::{Kind, Lit, Spread, lits};
+use crate::lights::{Kind, Lit, Spread, lits, truth_of};
 
 /// Points of a growth path.
 const GROWTH: usize = 60;
 /// Points of a smooth path, and of its truth.
 const SMOOTH: [usize; 2] = [1000, 100];
-/// The slope change within one step of a smooth path that counts as a false step, relative to the largest slope of the
-/// truth.
+/// The slope change within one step of a smooth path that counts as a false step if the truth does not have it, relative
+/// to the largest slope of the truth.
 const STEP: f64 = 0.05;
 /// The tolerance of the truth of smooth paths.
 const TOLERANCE: f64 = 1e-5;
+/// The tolerance of the truth where a smooth path bends.
+const TOLERANCE_OF_BENDS: f64 = 1e-8;
 /// Reflectance at normal incidence of the plastic.
 const PLASTIC: f64 = 0.04;
 
@@ -69,7 +70,8 @@ pub fn to_one_side(lit: &Lit, t: f64) -> Lit {
 }
 
 /// Moves by its own width, turns about its normal and tilts the view. It stays above the surface.
-fn smooth(lit: &Lit, t: f64) -> Lit {
+#[must_use]
+pub fn smooth(lit: &Lit, t: f64) -> Lit {
     let moved = vertices(lit, |v| {
         let centre = 0.5 * (v[0] + v[2]);
         let shift = (v[1] - v[0]) * (t - 0.5);
@@ -105,17 +107,25 @@ fn share(values: &[f64], above: f64) -> f64 {
     values.iter().filter(|x| **x > above).count() as f64 / values.len() as f64
 }
 
-/// The largest change of slope between steps, relative to the largest slope of the truth.
-fn change(values: &[f64], truth: &[f64]) -> f64 {
-    let slope = |values: &[f64]| {
-        values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max) * (values.len() - 1) as f64
-    };
-    let bend = values.windows(3).map(|three| (three[2] - 2.0 * three[1] + three[0]).abs()).fold(0.0, f64::max);
-    bend * (values.len() - 1) as f64 / slope(truth).max(1e-9)
+/// The largest slope of values along a path.
+fn slope(values: &[f64]) -> f64 {
+    values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max) * (values.len() - 1) as f64
+}
+
+/// True if the slope of `values` changes by more than [`STEP`] of `largest` within one step, where the slope of the
+/// truth does not. `truth` is only evaluated where the values bend.
+fn has_false_step(values: &[f64], largest: f64, truth: impl Fn(usize) -> f64) -> bool {
+    let least = STEP * largest.max(1e-9) / (values.len() - 1) as f64;
+    let bend = |of: &dyn Fn(usize) -> f64, i: usize| of(i + 1) - 2.0 * of(i) + of(i - 1);
+    let value = |i: usize| values[i];
+    (1..values.len() - 1)
+        .filter(|i| bend(&value, *i).abs() > least)
+        .any(|i| (bend(&value, i) - bend(&truth, i)).abs() > least)
 }
 
 /// Smooth paths: the lights stay above the surface, and the surface is not a mirror.
-fn smooth_paths(seed: u64, count: usize) -> Vec<Lit> {
+#[must_use]
+pub fn smooth_paths(seed: u64, count: usize) -> Vec<Lit> {
     let is_smooth = |lit: &Lit| {
         lit.at.alpha_x.min(lit.at.alpha_y) > 0.05
             && [0.0, 0.5, 1.0].into_iter().all(|t| smooth(lit, t).vertices.iter().all(|v| v[2] > 0.05))
@@ -142,24 +152,22 @@ pub fn measure(seed: u64, scale: f64, reflected: impl Fn(&Lit) -> [f64; 2] + Syn
     let relative = bright.map(|case| (reflected(&case.lit)[0] - case.truth[0]).abs() / case.truth[0]).collect();
     let strips: Vec<Lit> = cases.iter().map(|case| case.lit.clone()).collect();
 
-    let changes: Vec<[f64; 2]> = smooth_paths(seed + 3, count(80.0))
+    let false_steps: Vec<[bool; 2]> = smooth_paths(seed + 3, count(80.0))
         .par_iter()
         .map(|lit| {
             let found: Vec<[f64; 2]> = along(lit, &smooth, SMOOTH[0]).map(|lit| reflected(&lit)).collect();
-            let truth = along(lit, &smooth, SMOOTH[1]).map(|lit| {
-                let truth = lit.light().and_then(|light| truth_within(TOLERANCE, &lit.at, &light));
-                truth.map_or([0.0; 2], |truth| [truth.energy, truth.fresnel])
-            });
-            let truth: Vec<[f64; 2]> = truth.collect();
+            let coarse: Vec<[f64; 2]> = along(lit, &smooth, SMOOTH[1]).map(|lit| truth_of(&lit, TOLERANCE)).collect();
+            let at = |i: usize| truth_of(&smooth(lit, i as f64 / (SMOOTH[0] - 1) as f64), TOLERANCE_OF_BENDS);
             [energy, plastic].map(|of| {
-                let [found, truth] = [&found, &truth].map(|values| values.iter().map(|x| of(*x)).collect::<Vec<_>>());
-                change(&found, &truth)
+                let [found, coarse] = [&found, &coarse].map(|values| values.iter().map(|x| of(*x)).collect::<Vec<_>>());
+                has_false_step(&found, slope(&coarse), |i| of(at(i)))
             })
         })
         .collect();
     let p99 = Spread::of(sides.clone()).p99;
     Faults {
-        false_steps: [0, 1].map(|part| share(&changes.iter().map(|x| x[part]).collect::<Vec<_>>(), STEP)),
+        false_steps: [0, 1]
+            .map(|part| false_steps.iter().filter(|has| has[part]).count() as f64 / false_steps.len() as f64),
         strips: Spread::of(relative).p95,
         lost: share(&falls(&strips, to_one_side, true, energy), 0.1),
         to_one_side: [p99, share(&sides, 0.005)],

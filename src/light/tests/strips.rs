@@ -1,12 +1,12 @@
-//! Low, wide lights that stand on the surface, and growing lights, must not turn dark.
+//! Low, wide lights that stand on the surface, and growing lights, must not turn dark. Moving lights follow the truth.
 
 use std::f64::consts::TAU;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 
 use crate::cases::{Draw, Lit, Roughness};
-use crate::{NormalsRule, by_normals, truth_within};
+use crate::{NormalsRule, ReflectedLight, by_normals, truth_within};
 use ltcforge_fit::{Configuration, Sides};
 
 fn energy(lit: &Lit, rule: NormalsRule) -> f64 {
@@ -106,6 +106,47 @@ fn a_light_that_grows_darkens_nothing() {
             drops.sort_by(f64::total_cmp);
             println!("{rule}, {is_middle}: drops by {:.4} (p99), {:.4} at most", drops[1980], drops[1999]);
             assert!(drops[1980] < limits[0] && drops[1999] < limits[1], "{rule}: {} {}", drops[1980], drops[1999]);
+        }
+    }
+}
+
+/// A light moves by its width and turns about its normal in twelve steps. From step to step, the reflected light of metal
+/// and of plastic changes like the truth.
+#[test]
+fn a_light_that_moves_changes_like_the_truth() {
+    const STEPS: usize = 12;
+    let path = |seed: u64| -> Vec<Lit> {
+        let lit = Draw::new(5000 + seed).lit_by(Roughness::All, [0.05, 1.2]);
+        let [a, b, c] = std::array::from_fn(|i| lit.vertices[i]);
+        let (centre, normal) = (a.midpoint(c), (b - a).cross(c - b).normalize());
+        let moved = |t: f64| {
+            let turn = DQuat::from_axis_angle(normal, 0.6 * t);
+            let shift = centre + (b - a) * (t - 0.5);
+            Lit { vertices: lit.vertices.iter().map(|v| shift + turn * (*v - centre)).collect(), ..lit.clone() }
+        };
+        (0..=STEPS).map(|i| moved(i as f64 / STEPS as f64)).collect()
+    };
+    let paths: Vec<Vec<Lit>> = (0..400).map(path).collect();
+    let along = |light: &(dyn Fn(&Lit) -> ReflectedLight + Sync)| -> Vec<Vec<ReflectedLight>> {
+        paths.par_iter().map(|path| path.iter().map(light).collect()).collect()
+    };
+    let wanted = along(&|lit| truth_within(1e-6, &lit.at, &lit.light(Sides::Two)).expect("a surface"));
+    for (rule, limits) in
+        [(NormalsRule::Balanced, [0.002; 2]), (NormalsRule::Fast, [0.002; 2]), (NormalsRule::Fine, [0.002; 2])]
+    {
+        let found = along(&|lit| by_normals(&lit.at, &lit.light(Sides::Two), rule).expect("a surface"));
+        for (f0, limit) in [1.0, 0.04].into_iter().zip(limits) {
+            let mut changes: Vec<f64> = Vec::new();
+            for (found, wanted) in found.iter().zip(&wanted) {
+                let errors =
+                    found.iter().zip(wanted).map(|(found, wanted)| found.schlick(f0, 1.0) - wanted.schlick(f0, 1.0));
+                let errors: Vec<f64> = errors.collect();
+                changes.extend(errors.windows(2).map(|pair| (pair[1] - pair[0]).abs()));
+            }
+            changes.sort_by(f64::total_cmp);
+            let p99 = changes[changes.len() * 99 / 100];
+            println!("{rule}, F0 {f0}: the error changes by {p99:.5} (p99) per step");
+            assert!(p99 < limit, "{rule}, F0 {f0}: {p99}");
         }
     }
 }

@@ -10,7 +10,7 @@ use ltcforge_light::{AnisotropicRoughness, LightModel, LightShape, normals::Norm
 pub(super) const MAX_MATERIALS: usize = 4;
 
 /// The models that mode `models` compares.
-pub(super) const COMPARED: [LightModel; 2] = [LightModel::Ltc, LightModel::Normals];
+pub(super) const COMPARED: [LightModel; 3] = [LightModel::Ltc, LightModel::LtcFormula, LightModel::Normals];
 
 /// The scene of a preview. Lengths are in radii of the sphere, angles are in radians, and y points up.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
