@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use crate::draw::Draw;
 
 /// The tolerance of the true light: a thirtieth of the mean error of the best model.
-pub(crate) const TOLERANCE: f64 = 1e-5;
+const TOLERANCE: f64 = 1e-5;
 /// The tolerance for kinds with very sharp lobes. With a larger tolerance, the quadrature could miss them.
 const TOLERANCE_OF_EXTREMES: f64 = TRUTH_TOLERANCE;
 
@@ -69,14 +69,11 @@ pub enum Kind {
     Across,
     /// Rectangles with an angular radius of about 0.3 to 3 degrees.
     Tiny,
-    /// Smooth surfaces under a lamp near the mirror direction. Many only reflect it faintly, like most pixels of a
-    /// picture.
-    Lamp,
 }
 
 impl Kind {
     /// The kinds that the search for networks uses.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 16] = [
         Self::Random,
         Self::Anisotropic,
         Self::Huge,
@@ -93,7 +90,6 @@ impl Kind {
         Self::Sharp,
         Self::Across,
         Self::Tiny,
-        Self::Lamp,
     ];
 
     /// The name of the kind in tables.
@@ -119,7 +115,6 @@ impl Kind {
             Self::Sharp => "sharp lobes",
             Self::Across => "across the horizon",
             Self::Tiny => "tiny",
-            Self::Lamp => "smooth surfaces near a lamp",
         }
     }
 }
@@ -258,7 +253,6 @@ const ALL: Surfaces = Surfaces {
 };
 const ANISOTROPIC: Surfaces =
     Surfaces { alpha: |draw| draw.0.within(0.1, 0.6), other: |draw, alpha| alpha * draw.0.within(0.03, 0.23), ..ALL };
-const SMOOTH: Surfaces = Surfaces { alpha: |draw| draw.0.within(0.02, 0.4), ..ALL };
 const THIN: Surfaces = Surfaces { alpha: |draw| draw.0.within(0.25, 1.0), other: |_, alpha| alpha / 50.0, ..ALL };
 const ISOTROPIC: Surfaces = Surfaces { alpha: |draw| draw.0.within(0.02, 1.0), other: |_, alpha| alpha, ..ALL };
 const EXTREME: Surfaces = Surfaces {
@@ -322,15 +316,6 @@ impl Generator {
             Kind::Steep => self.around_lobe(&STEEP, USUAL, 1.0),
             Kind::Sharp => self.around_lobe(&SHARP, USUAL, 1.0),
             Kind::Tiny => self.around_lobe(&ALL, [0.005, 0.05], 1.0),
-            Kind::Lamp => {
-                let at = self.configuration(&SMOOTH);
-                let mirror = direction(at.theta, at.phi + 0.5 * TAU);
-                let mut centre = mirror + 0.6 * self.0.vector();
-                centre.z = centre.z.abs().max(0.05);
-                let size = self.0.logarithmic(0.2, 1.2);
-                let aspect = self.0.within(-1.0, 1.0).exp();
-                (at, self.rectangle(centre.normalize(), [size * aspect, size / aspect]))
-            }
             Kind::Across => {
                 let (at, vertices) = self.around_lobe(&ALL, USUAL, 1.0);
                 let centre = 0.5 * (vertices[0] + vertices[2]);

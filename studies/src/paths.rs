@@ -70,8 +70,7 @@ pub fn to_one_side(lit: &Lit, t: f64) -> Lit {
 }
 
 /// Moves by its own width, turns about its normal and tilts the view. It stays above the surface.
-#[must_use]
-pub fn smooth(lit: &Lit, t: f64) -> Lit {
+fn smooth(lit: &Lit, t: f64) -> Lit {
     let moved = vertices(lit, |v| {
         let centre = 0.5 * (v[0] + v[2]);
         let shift = (v[1] - v[0]) * (t - 0.5);
@@ -124,8 +123,7 @@ fn has_false_step(values: &[f64], largest: f64, truth: impl Fn(usize) -> f64) ->
 }
 
 /// Smooth paths: the lights stay above the surface, and the surface is not a mirror.
-#[must_use]
-pub fn smooth_paths(seed: u64, count: usize) -> Vec<Lit> {
+fn smooth_paths(seed: u64, count: usize) -> Vec<Lit> {
     let is_smooth = |lit: &Lit| {
         lit.at.alpha_x.min(lit.at.alpha_y) > 0.05
             && [0.0, 0.5, 1.0].into_iter().all(|t| smooth(lit, t).vertices.iter().all(|v| v[2] > 0.05))

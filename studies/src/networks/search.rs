@@ -16,8 +16,8 @@ use super::{
     outputs, units,
 };
 use crate::{
-    lights::{Case, Kind, Lit, TOLERANCE, lits, truth_of},
-    paths::{about_middle, smooth, smooth_paths, to_one_side},
+    lights::{Case, Kind, Lit, lits},
+    paths::{about_middle, to_one_side},
 };
 
 /// Cases per step.
@@ -39,14 +39,8 @@ pub(super) const SCHLICK: f64 = 0.7;
 const GROWTH: usize = 10;
 /// The number of lights that grow, relative to the number of lights.
 const PATHS: f64 = 0.25;
-/// The weight of a squared relative fall of a light that grows, for metal and for plastic.
-const FALL: [f64; 2] = [60.0, 300.0];
-/// Light below this counts as this in a relative fall.
-const FAINT: f64 = 0.05;
-/// Steps of a light that moves and turns.
-const SMOOTH: usize = 8;
-/// The weight of a squared change of the error from step to step.
-const ROUGH: f64 = 100.0;
+/// The weight of a squared fall of a light that grows, for metal and for plastic.
+const FALL: [f64; 2] = [400.0, 2000.0];
 /// Reflectance at normal incidence of the plastic.
 const PLASTIC: f64 = 0.04;
 /// The outputs that are shares of blends.
@@ -58,7 +52,7 @@ const TINY: f64 = 1e-5;
 
 /// The weight of cases of a kind.
 pub(super) fn weight(kind: Kind) -> f64 {
-    if matches!(kind, Kind::Random | Kind::Anisotropic | Kind::Strip | Kind::Lamp) { 3.0 } else { 1.0 }
+    if matches!(kind, Kind::Random | Kind::Anisotropic | Kind::Strip) { 3.0 } else { 1.0 }
 }
 
 /// A training example. The inputs of the regions are normalised.
@@ -67,8 +61,6 @@ pub(super) enum Lesson {
     Light(Region<f64>, [f64; 2], f64),
     /// A light that grows, in some steps. Its reflected light must not decrease.
     Growth(Vec<Region<f64>>),
-    /// A light that moves and turns, in some steps, with its true light. The error must not change quickly.
-    Smooth(Vec<Region<f64>>, Vec<[f64; 2]>),
 }
 
 impl Lesson {
@@ -81,17 +73,10 @@ impl Lesson {
         Self::Growth((0..GROWTH).filter_map(|i| region_of(rule, &at(i))).collect())
     }
 
-    fn smooth(rule: NormalsRule, lit: &Lit) -> Self {
-        let along = (0..SMOOTH).map(|i| smooth(lit, i as f64 / (SMOOTH - 1) as f64));
-        let each = along.filter_map(|lit| Some((region_of(rule, &lit)?, truth_of(&lit, TOLERANCE))));
-        let (regions, truths) = each.unzip();
-        Self::Smooth(regions, truths)
-    }
-
     fn regions(&mut self) -> &mut [Region<f64>] {
         match self {
             Self::Light(region, ..) => std::slice::from_mut(region),
-            Self::Growth(regions) | Self::Smooth(regions, _) => regions,
+            Self::Growth(regions) => regions,
         }
     }
 }
@@ -103,15 +88,13 @@ pub(super) fn lessons(options: &Options, cases: &[(usize, Case)]) -> (Vec<Lesson
         cases.par_iter().filter_map(|(kind, case)| Lesson::light(rule, Kind::ALL[*kind], case)).collect();
     let mut lessons = lights;
     let count = (options.lights as f64 * PATHS) as usize / 4;
-    for (i, kind) in [Kind::Random, Kind::Anisotropic, Kind::Strip].into_iter().enumerate() {
+    for (i, kind) in [Kind::Random, Kind::Anisotropic].into_iter().enumerate() {
         let lits = lits(kind, 100 * options.seed + 50 + i as u64, count);
         for path in [about_middle, to_one_side] {
             let of = |(i, lit): (usize, &Lit)| Lesson::growth(rule, path, lit, (i % 16) as f64 / 24.0);
             lessons.extend(lits.par_iter().enumerate().map(of).collect::<Vec<_>>());
         }
     }
-    let smooth = smooth_paths(100 * options.seed + 53, count / 4);
-    lessons.extend(smooth.par_iter().map(|lit| Lesson::smooth(rule, lit)).collect::<Vec<_>>());
     let regions = || cases.iter().filter_map(|(_, case)| region_of(rule, &case.lit));
     let all: Vec<[f64; INPUTS]> = regions().map(|region| region.inputs).collect();
     let mean = |of: &dyn Fn(&[f64; INPUTS]) -> f64| all.iter().map(of).sum::<f64>() / all.len() as f64;
@@ -253,41 +236,21 @@ impl Search {
                             most = i;
                             continue;
                         }
-                        // The slope leaves out the change of the divisor.
-                        let by = fall_weight / (value(&told[most]) + FAINT).powi(2);
-                        sum += 0.5 * by * fall * fall;
+                        sum += 0.5 * fall_weight * fall * fall;
                         for part in 0..2 {
-                            by_light[i][part] -= by * fall * of[part];
-                            by_light[most][part] += by * fall * of[part];
+                            by_light[i][part] -= fall_weight * fall * of[part];
+                            by_light[most][part] += fall_weight * fall * of[part];
                         }
                     }
                 }
-                self.learn_all(regions, &told, &by_light, leak, slope);
-            }
-            Lesson::Smooth(regions, truths) => {
-                let told: Vec<Told> = regions.iter().map(|region| self.told(region)).collect();
-                let mut by_light = vec![[0.0; 2]; told.len()];
-                for i in 1..told.len() {
-                    for part in 0..2 {
-                        let error = |i: usize| told[i].light[part] - truths[i][part];
-                        let change = error(i) - error(i - 1);
-                        sum += 0.5 * ROUGH * change * change;
-                        by_light[i][part] += ROUGH * change;
-                        by_light[i - 1][part] -= ROUGH * change;
+                for ((region, told), by_light) in regions.iter().zip(&told).zip(by_light) {
+                    if by_light != [0.0; 2] {
+                        self.learn(region, told, by_light, leak, slope);
                     }
                 }
-                self.learn_all(regions, &told, &by_light, leak, slope);
             }
         }
         sum
-    }
-
-    fn learn_all(&self, regions: &[Region<f64>], told: &[Told], by_light: &[[f64; 2]], leak: f64, slope: &mut [f64]) {
-        for ((region, told), by_light) in regions.iter().zip(told).zip(by_light) {
-            if *by_light != [0.0; 2] {
-                self.learn(region, told, *by_light, leak, slope);
-            }
-        }
     }
 
     fn step(&mut self, adam: &mut Adam, slope: &[f64], length: f64) {
