@@ -47,7 +47,7 @@ mod tests {
             let cost = |mode| Scene { size: 100, spp: 64, mode, model, ..Scene::default() }.cost();
             assert_eq!([cost(Mode::Ltc), cost(Mode::Strip)], [of_a_pixel, of_a_pixel + 64.0].map(|cost| 1e4 * cost));
         }
-        let pictured = Scene { size: 100, picture: ScenePicture::Window, ..Scene::default() };
+        let pictured = Scene { size: 100, spp: 64, picture: ScenePicture::Window, ..Scene::default() };
         assert_eq!([pictured.cost(), Scene { mode: Mode::Strip, ..pictured }.cost()], [160_000.0, 800_000.0]);
         assert_eq!(cost(Mode::Reference, 200, 64), 4.0 * cost(Mode::Reference, 100, 64));
     }

@@ -240,7 +240,7 @@ impl Default for Scene {
             camera: Camera::default(),
             lobe: LobeView::default(),
             size: 512,
-            spp: 64,
+            spp: 1024,
             mode: Mode::Ltc,
             model: LightModel::Ltc,
             rule: NormalsRule::Balanced,
