@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// ltcforge 0.1.0, revision 1, sha256 of the text below: 4dba0ae34ed1f5ad
+// ltcforge 0.1.0, revision 1, sha256 of the text below: a0dfd445fe42848d
 // Linearly Transformed Cosines: area lights on anisotropic GGX, by a formula, without a table.
 //
 // FUNCTIONS
@@ -169,7 +169,7 @@ LtcFormula ltc_formula(float alpha_x, float alpha_y, float3 wo, float f0, float 
     float3 tangent = (1.0 + larger * swell) * r + float3(0.0, 0.0, larger * lift * (1.0 - c.z));
     // The determinant is a multiple of 1 + rho . o. Without corrections, it is 2 d^2.
     float3 rho = tangent + max(d * d - (1.0 + dot(tangent, o)), 0.0) * o;
-    // Rows of the rotation from c to z; slope of c's tangent plane.
+    // x, y and c are the rows of the rotation that takes c to z.
     float k = 1.0 / (1.0 + c.z);
     float xy = -c.x * c.y * k;
     float3 x = float3(1.0 - c.x * c.x * k, xy, -c.x);

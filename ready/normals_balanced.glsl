@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// ltcforge 0.1.0, revision 2, sha256 of the text below: 0b5e2b753596a050
+// ltcforge 0.1.0, revision 2, sha256 of the text below: c228c632eb70371a
 // Area lights on GGX without a table, in the space of its normals, by rule balanced.
 //
 //   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
@@ -135,8 +135,8 @@ float normals_fifth(float x) {
     return x * x * (x * x) * x;
 }
 
-// For the normal A c: its weight G2 / G1, divided by 1 + view.rise; the rise of the direction that it reflects to the
-// viewer; this weight times Schlick's factor; and the square of this weight.
+// For the normal A c: the weight G2 / G1 divided by 1 + view.rise; the rise of the reflected view direction; the weight
+// times Schlick's factor; the squared weight.
 vec4 normals_sample(NormalsView view, vec3 c) {
     vec3 h = vec3(view.alpha * c.xy, c.z);
     float along = dot(view.wo, h);
@@ -151,7 +151,7 @@ vec4 normals_samples(NormalsView view, NormalsEdge edge) {
     return normals_sample(view, edge.middle);
 }
 
-// Adds an edge. An edge on the horizon reflects nothing.
+// Adds an edge. On the horizon the weight is zero.
 NormalsSum normals_add(NormalsView view, NormalsSum sum, NormalsCorner begin, NormalsCorner end, bool is_above) {
     NormalsEdge edge = normals_edge(view, sum.flux, begin, end);
     vec3 half_ = edge.middle - begin.c;
@@ -218,7 +218,8 @@ vec2 normals_rectangle(NormalsView view, vec3 corners[4], bool two_sided) {
     vec2 slide = -1.0 / max(vec2(x.z, y.z), vec2(1e-15));
     vec3 right_up = right + clamp(right.z * slide.y, 0.0, 1.0) * y;
     vec3 left_up = left + clamp(left.z * slide.x, 0.0, 1.0) * x;
-    // a and b are the ends of the lowest side after clipping. They are equal if the surface cuts nothing off; otherwise this side lies on the horizon.
+    // a and b are the ends of the lowest side after clipping. They are equal if the surface cuts nothing off; otherwise
+    // this side lies on the horizon.
     NormalsCorner a = normals_corner(view, left.z <= 0.0 ? left_up : low + clamp(low.z * slide.y, 0.0, 1.0) * y);
     NormalsCorner b = normals_corner(view, right.z <= 0.0 ? right_up : low + clamp(low.z * slide.x, 0.0, 1.0) * x);
     NormalsSum sum = normals_add(view, NormalsSum(vec3(0.0), vec4(0.0), 0.0), a, b, false);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// ltcforge 0.1.0, revision 2, sha256 of the text below: 4ba2745cd5d01ce2
+// ltcforge 0.1.0, revision 2, sha256 of the text below: 94e4e96e3c88bf6a
 // Area lights on GGX without a table, in the space of its normals, by rule balanced.
 //
 //   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
@@ -155,8 +155,8 @@ float normals_fifth(float x) {
     return x * x * (x * x) * x;
 }
 
-// For the normal A c: its weight G2 / G1, divided by 1 + view.rise; the rise of the direction that it reflects to the
-// viewer; this weight times Schlick's factor; and the square of this weight.
+// For the normal A c: the weight G2 / G1 divided by 1 + view.rise; the rise of the reflected view direction; the weight
+// times Schlick's factor; the squared weight.
 float4 normals_sample(NormalsView view, float3 c) {
     float3 h = float3(view.alpha * c.xy, c.z);
     float along = dot(view.wo, h);
@@ -171,7 +171,7 @@ float4 normals_samples(NormalsView view, NormalsEdge edge) {
     return normals_sample(view, edge.middle);
 }
 
-// Adds an edge. An edge on the horizon reflects nothing.
+// Adds an edge. On the horizon the weight is zero.
 NormalsSum normals_add(NormalsView view, NormalsSum sum, NormalsCorner begin, NormalsCorner end, bool is_above) {
     NormalsEdge edge = normals_edge(view, sum.flux, begin, end);
     float3 half_ = edge.middle - begin.c;
@@ -238,7 +238,8 @@ float2 normals_rectangle(NormalsView view, float3 corners[4], bool two_sided) {
     float2 slide = -1.0 / max(float2(x.z, y.z), (float2)1e-15);
     float3 right_up = right + saturate(right.z * slide.y) * y;
     float3 left_up = left + saturate(left.z * slide.x) * x;
-    // a and b are the ends of the lowest side after clipping. They are equal if the surface cuts nothing off; otherwise this side lies on the horizon.
+    // a and b are the ends of the lowest side after clipping. They are equal if the surface cuts nothing off; otherwise
+    // this side lies on the horizon.
     NormalsCorner a = normals_corner(view, left.z <= 0.0 ? left_up : low + saturate(low.z * slide.y) * y);
     NormalsCorner b = normals_corner(view, right.z <= 0.0 ? right_up : low + saturate(low.z * slide.x) * x);
     NormalsSum sum = normals_add(view, (NormalsSum)0, a, b, false);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// ltcforge 0.1.0, revision 2, sha256 of the text below: 0deeedec4f9fa037
+// ltcforge 0.1.0, revision 2, sha256 of the text below: 4babf0eae02cce03
 // Area lights on GGX without a table, in the space of its normals, by rule balanced.
 //
 //   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
@@ -131,8 +131,8 @@ struct NormalsSum {
     size: f32,
 }
 
-/// For the normal A c: its weight G2 / G1, divided by 1 + view.rise; the rise of the direction that it reflects to the
-/// viewer; this weight times Schlick's factor; and the square of this weight.
+/// For the normal A c: the weight G2 / G1 divided by 1 + view.rise; the rise of the reflected view direction; the weight
+/// times Schlick's factor; the squared weight.
 fn normals_sample(view: NormalsView, c: vec3<f32>) -> vec4<f32> {
     let h = vec3(view.alpha * c.xy, c.z);
     let along = dot(view.wo, h);
@@ -142,7 +142,7 @@ fn normals_sample(view: NormalsView, c: vec3<f32>) -> vec4<f32> {
     return vec4(weight, rise, weight * normals_fifth(saturate(1.0 - abs(along) * inverseSqrt(h2))), weight * weight);
 }
 
-/// Adds an edge. An edge on the horizon reflects nothing.
+/// Adds an edge. On the horizon the weight is zero.
 fn normals_add(view: NormalsView, sum: NormalsSum, begin: NormalsCorner, end: NormalsCorner, is_above: bool) -> NormalsSum {
     let edge = normals_edge(view, sum.flux, begin, end);
     let half = edge.middle - begin.c;
@@ -218,7 +218,8 @@ fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided:
     let slide = -1.0 / max(vec2(x.z, y.z), vec2(1e-15));
     let right_up = right + saturate(right.z * slide.y) * y;
     let left_up = left + saturate(left.z * slide.x) * x;
-    // a and b are the ends of the lowest side after clipping. They are equal if the surface cuts nothing off; otherwise this side lies on the horizon.
+    // a and b are the ends of the lowest side after clipping. They are equal if the surface cuts nothing off; otherwise
+    // this side lies on the horizon.
     let a = normals_corner(view, select(low + saturate(low.z * slide.y) * y, left_up, left.z <= 0.0));
     let b = normals_corner(view, select(low + saturate(low.z * slide.x) * x, right_up, right.z <= 0.0));
     var sum = normals_add(view, NormalsSum(), a, b, false);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// ltcforge 0.1.0, revision 2, sha256 of the text below: 0f1f7a6680b78001
+// ltcforge 0.1.0, revision 2, sha256 of the text below: 960bde5f0cd9a79f
 // Area lights on GGX without a table, in the space of its normals, by rule fast.
 //
 //   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
@@ -122,7 +122,7 @@ NormalsEdge normals_edge(NormalsView view, vec3 flux, NormalsCorner begin, Norma
     return NormalsEdge(normals_arcs(normals_arcs(flux, a, q, n), n, r, c), n, q, r);
 }
 
-// Sums over the edges of a light: the integral of c x dc, the rises of corners, and their number.
+// Sums over the edges of a light: the integral of c x dc, the sum of the corners' rises, and the number of corners.
 struct NormalsSum {
     vec3 flux;
     float rise;
@@ -181,7 +181,8 @@ vec2 normals_rectangle(NormalsView view, vec3 corners[4], bool two_sided) {
     vec2 slide = -1.0 / max(vec2(x.z, y.z), vec2(1e-15));
     vec3 right_up = right + clamp(right.z * slide.y, 0.0, 1.0) * y;
     vec3 left_up = left + clamp(left.z * slide.x, 0.0, 1.0) * x;
-    // a and b are the ends of the lowest side after clipping. They are equal if the surface cuts nothing off; otherwise this side lies on the horizon.
+    // a and b are the ends of the lowest side after clipping. They are equal if the surface cuts nothing off; otherwise
+    // this side lies on the horizon.
     NormalsCorner a = normals_corner(view, left.z <= 0.0 ? left_up : low + clamp(low.z * slide.y, 0.0, 1.0) * y);
     NormalsCorner b = normals_corner(view, right.z <= 0.0 ? right_up : low + clamp(low.z * slide.x, 0.0, 1.0) * x);
     NormalsSum sum = normals_add(view, NormalsSum(vec3(0.0), 0.0, 0.0), a, b, false);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// ltcforge 0.1.0, revision 2, sha256 of the text below: 815f8378a34ee61d
+// ltcforge 0.1.0, revision 2, sha256 of the text below: d28d5db532e00b7c
 // Area lights on GGX without a table, in the space of its normals, by rule fast.
 //
 //   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
@@ -137,7 +137,7 @@ NormalsEdge normals_edge(NormalsView view, float3 flux, NormalsCorner begin, Nor
     return NormalsEdgeOf(normals_arcs(normals_arcs(flux, a, q, n), n, r, c), n, q, r);
 }
 
-// Sums over the edges of a light: the integral of c x dc, the rises of corners, and their number.
+// Sums over the edges of a light: the integral of c x dc, the sum of the corners' rises, and the number of corners.
 struct NormalsSum {
     float3 flux;
     float rise;
@@ -201,7 +201,8 @@ float2 normals_rectangle(NormalsView view, float3 corners[4], bool two_sided) {
     float2 slide = -1.0 / max(float2(x.z, y.z), (float2)1e-15);
     float3 right_up = right + saturate(right.z * slide.y) * y;
     float3 left_up = left + saturate(left.z * slide.x) * x;
-    // a and b are the ends of the lowest side after clipping. They are equal if the surface cuts nothing off; otherwise this side lies on the horizon.
+    // a and b are the ends of the lowest side after clipping. They are equal if the surface cuts nothing off; otherwise
+    // this side lies on the horizon.
     NormalsCorner a = normals_corner(view, left.z <= 0.0 ? left_up : low + saturate(low.z * slide.y) * y);
     NormalsCorner b = normals_corner(view, right.z <= 0.0 ? right_up : low + saturate(low.z * slide.x) * x);
     NormalsSum sum = normals_add(view, (NormalsSum)0, a, b, false);

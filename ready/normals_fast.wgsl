@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// ltcforge 0.1.0, revision 2, sha256 of the text below: 04b2fd94cfbf7b76
+// ltcforge 0.1.0, revision 2, sha256 of the text below: 740c511d102a7a40
 // Area lights on GGX without a table, in the space of its normals, by rule fast.
 //
 //   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
@@ -122,7 +122,7 @@ fn normals_edge(view: NormalsView, flux: vec3<f32>, begin: NormalsCorner, end: N
     return NormalsEdge(normals_arcs(normals_arcs(flux, a, q, n), n, r, c), n, q, r);
 }
 
-/// Sums over the edges of a light: the integral of c x dc, the rises of corners, and their number.
+/// Sums over the edges of a light: the integral of c x dc, the sum of the corners' rises, and the number of corners.
 struct NormalsSum {
     flux: vec3<f32>,
     rise: f32,
@@ -181,7 +181,8 @@ fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided:
     let slide = -1.0 / max(vec2(x.z, y.z), vec2(1e-15));
     let right_up = right + saturate(right.z * slide.y) * y;
     let left_up = left + saturate(left.z * slide.x) * x;
-    // a and b are the ends of the lowest side after clipping. They are equal if the surface cuts nothing off; otherwise this side lies on the horizon.
+    // a and b are the ends of the lowest side after clipping. They are equal if the surface cuts nothing off; otherwise
+    // this side lies on the horizon.
     let a = normals_corner(view, select(low + saturate(low.z * slide.y) * y, left_up, left.z <= 0.0));
     let b = normals_corner(view, select(low + saturate(low.z * slide.x) * x, right_up, right.z <= 0.0));
     var sum = normals_add(view, NormalsSum(), a, b, false);

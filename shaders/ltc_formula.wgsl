@@ -64,7 +64,7 @@ fn ltc_formula(alpha_x: f32, alpha_y: f32, wo: vec3<f32>, f0: f32, f90: f32) -> 
     let tangent = (1.0 + larger * swell) * r + vec3(0.0, 0.0, larger * lift * (1.0 - c.z));
     // The determinant is a multiple of 1 + rho . o. Without corrections, it is 2 d^2.
     let rho = tangent + max(d * d - (1.0 + dot(tangent, o)), 0.0) * o;
-    // Rows of the rotation from c to z; slope of c's tangent plane.
+    // x, y and c are the rows of the rotation that takes c to z.
     let k = 1.0 / (1.0 + c.z);
     let xy = -c.x * c.y * k;
     let x = vec3(1.0 - c.x * c.x * k, xy, -c.x);

@@ -1,4 +1,4 @@
-/// Sums over the edges of a light: the integral of c x dc, the rises of corners, and their number.
+/// Sums over the edges of a light: the integral of c x dc, the sum of the corners' rises, and the number of corners.
 struct NormalsSum {
     flux: vec3<f32>,
     rise: f32,

@@ -6,8 +6,8 @@ struct NormalsSum {
     size: f32,
 }
 
-/// For the normal A c: its weight G2 / G1, divided by 1 + view.rise; the rise of the direction that it reflects to the
-/// viewer; this weight times Schlick's factor; and the square of this weight.
+/// For the normal A c: the weight G2 / G1 divided by 1 + view.rise; the rise of the reflected view direction; the weight
+/// times Schlick's factor; the squared weight.
 fn normals_sample(view: NormalsView, c: vec3<f32>) -> vec4<f32> {
     let h = vec3(view.alpha * c.xy, c.z);
     let along = dot(view.wo, h);
@@ -17,7 +17,7 @@ fn normals_sample(view: NormalsView, c: vec3<f32>) -> vec4<f32> {
     return vec4(weight, rise, weight * normals_fifth(saturate(1.0 - abs(along) * inverseSqrt(h2))), weight * weight);
 }
 
-/// Adds an edge. An edge on the horizon reflects nothing.
+/// Adds an edge. On the horizon the weight is zero.
 fn normals_add(view: NormalsView, sum: NormalsSum, begin: NormalsCorner, end: NormalsCorner, is_above: bool) -> NormalsSum {
     let edge = normals_edge(view, sum.flux, begin, end);
     let half = edge.middle - begin.c;

@@ -1,5 +1,5 @@
-//! The light that a surface reflects or transmits. The models are a table of LTCs, the closed form in the space of
-//! normals, and one Gaussian. Quadratures compute the reference.
+//! The light that a surface reflects or transmits. The models are a table of LTCs, an LTC
+//! by a formula, the closed form in the space of normals, and one Gaussian. Quadratures compute the reference.
 //!
 //! Invariant: `light` fits nothing and reads no file.
 

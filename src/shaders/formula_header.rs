@@ -56,8 +56,8 @@ const EXAMPLE: &str = "\
 EXAMPLE
   Case: 10 x vec4 of f32. First wo and alpha_x. Second alpha_y; shape of the light (3 to 8 for a polygon of so many
   vertices, 0 disk, 1 sphere, 2 tube, 9 line); 1 if both sides emit, else 0; radius or width. Then eight vertices, each
-  followed by 0. For a disk: centre, half_x, half_y. For a sphere: its centre. For a tube or line: both ends. The first
-  is followed by f0; f90 is 1.
+  followed by a number: f0 after the first, else 0. For a disk: centre, half_x, half_y. For a sphere: its centre. For a
+  tube or line: both ends. f90 is 1.
   Result: a vec4 of f32, the two parts and 0, 0.
 ";
 

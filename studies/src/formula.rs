@@ -1,6 +1,6 @@
 //! Finds the numbers of model `ltc-formula`: see docs/formula.md.
 //!
-//! The optimiser is that of Levenberg and Marquardt. Weights that follow the residuals make the objective nearly the sum
+//! The optimiser is Levenberg-Marquardt. Weights that follow the residuals make the objective nearly the sum
 //! of absolute errors. All random numbers come from the seed, and sums have a fixed order.
 
 use std::{f64::consts::TAU, fmt::Write as _};
@@ -172,7 +172,7 @@ fn objective(numbers: &[f64; COUNT], cases: &[Weighed]) -> f64 {
     losses.iter().sum::<f64>() / cases.iter().map(|(weight, _)| weight).sum::<f64>() + SMALL * size
 }
 
-/// The gradient of the objective, and Gauss and Newton's matrix.
+/// The gradient of the objective, and the Gauss-Newton matrix.
 fn slopes(numbers: &[f64; COUNT], cases: &[Weighed]) -> (Vec<f64>, Vec<Vec<f64>>) {
     const STEP: f64 = 1e-5;
     let chunk = |cases: &[Weighed]| {

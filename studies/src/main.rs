@@ -38,10 +38,10 @@ enum Study {
         #[arg(value_parser = rule)]
         rule: NormalsRule,
         /// Lights in the search. As many are held out
-        #[arg(long, default_value_t = 240_000)]
+        #[arg(long, default_value_t = 96_000)]
         lights: usize,
         /// Rounds over all lights
-        #[arg(long, default_value_t = 150)]
+        #[arg(long, default_value_t = 100)]
         rounds: usize,
         /// Number of networks to try
         #[arg(long, default_value_t = 4)]

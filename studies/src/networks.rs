@@ -1,8 +1,7 @@
 //! Finds the networks of model `normals`. They estimate the mean weight of shadowing: see docs/normals.md.
 //!
-//! The optimiser is Adam [Kingma, Ba 2015]: each step follows the gradient over a few cases, in units of its running
-//! size. The step length decreases along half a cosine. The result is the start with the least product of its error and
-//! the relative error of strips. All random numbers
+//! The optimiser is Adam [Kingma, Ba 2015], with batches of 256 cases. The step length follows half a cosine. Of several
+//! starts, the search keeps the one with the smallest product of loss and relative error of strips. All random numbers
 //! come from the seed, and sums have a fixed order.
 
 mod numbers;

@@ -21,4 +21,9 @@ fn planted_faults_are_found() {
     assert!(falls.to_one_side[0] > 0.01 && falls.about_middle[0][0] > 0.01, "{falls:?}");
     let bends = measure(5, 0.05, |lit| [((20.0 * exact(lit)).fract() - 0.5).abs(), 0.0]);
     assert!(bends.false_steps[0] > 0.2, "{bends:?}");
+    // A clamp, of the energy or of Schlick's part.
+    let clamped = |lit: &Lit| exact(lit).min(0.3);
+    let metal = measure(5, 0.5, |lit| [clamped(lit), 0.0]).false_steps;
+    let plastic = measure(5, 0.5, |lit| [0.0, clamped(lit)]).false_steps;
+    assert!(metal[0] > 0.1 && plastic[1] > 0.1, "{metal:?} {plastic:?}");
 }

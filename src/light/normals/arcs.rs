@@ -14,10 +14,10 @@ pub(super) struct AnglePerSine {
     pub(super) plain: [f64; 2],
 }
 
-/// A relative error of at most 8e-4.
+/// Relative error: at most 8e-4.
 pub(super) const ROUGH: AnglePerSine =
     AnglePerSine { over_root: [0.415_202_7, 0.0], plain: [-0.972_074_3, -0.093_373_5] };
-/// A relative error of at most 1.3e-4.
+/// Relative error: at most 1.3e-4.
 pub(super) const CLOSE: AnglePerSine =
     AnglePerSine { over_root: [0.505_486_3, 0.039_751_6], plain: [-0.993_498_8, -0.202_236_1] };
 
@@ -43,8 +43,8 @@ pub const BULGE: [f64; 2] = [3.4, 0.6];
 const NEAR2: f64 = 1e-8;
 
 /// Keeps the control point finite for an edge through the shaded point, where `w_a + w_c` is zero. In f32 the rounding
-/// of this sum has about the same effect: for an edge whose distance is 1e-6 of its length, the mean error of the visible part is .001
-/// in f64 and .005 in f32.
+/// of this sum has about the same effect: for an edge whose distance is 1e-6 of its length, the mean error of the
+/// visible part is .001 in f64 and .005 in f32.
 const STRAIGHT_EDGE: f64 = 1e-12;
 
 /// The image of an edge, by four arcs of great circles.

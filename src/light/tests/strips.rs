@@ -73,9 +73,9 @@ fn no_strip_is_dark() {
     }
 }
 
-/// A light that grows about its middle or to one side does not get darker, except for the errors of both sizes.
+/// A light that grows about its middle or to one side loses little light.
 #[test]
-fn a_light_that_grows_darkens_nothing() {
+fn growing_lights_lose_little() {
     // A few lights lose up to 0.05 when they grow to cover nearly all directions.
     for (rule, about_middle, to_one_side) in [
         (NormalsRule::Balanced, [0.003, 0.05], [0.002, 0.03]),

@@ -71,9 +71,10 @@ impl Numbers {
                 terms.join("\n        + "),
             );
         }
-        let (told, fifth) = self.outputs.split_at(self.outputs.len().min(4));
+        let (first_four, fifth) = self.outputs.split_at(self.outputs.len().min(4));
         let groups = 0..self.units.len() / group;
-        for (name, rows) in [("outputs", told), ("fifth", fifth)].into_iter().filter(|(_, rows)| !rows.is_empty()) {
+        for (name, rows) in [("outputs", first_four), ("fifth", fifth)].into_iter().filter(|(_, rows)| !rows.is_empty())
+        {
             let count = rows.len();
             let term = |i: usize| {
                 let matrix = matrix(rows, i * group, (i + 1) * group);

@@ -22,8 +22,8 @@ use crate::{
 
 /// Cases per step.
 const BATCH: usize = 256;
-/// The length of the first step.
-const STEP: f64 = 0.006;
+/// The length of the first step of rule `fine`, and of the other rules.
+const STEP: [f64; 2] = [0.006, 0.015];
 /// The decay per step of the running means of the gradient and of its square.
 const DECAY: [f64; 2] = [0.9, 0.999];
 /// Errors below this are negligible: the objective is quadratic there.
@@ -127,7 +127,7 @@ struct Adam {
 
 /// A network's values for a region.
 #[derive(Clone)]
-struct Told {
+struct Evaluation {
     units: Vec<f64>,
     /// The slopes of the units.
     slopes: Vec<f64>,
@@ -163,7 +163,7 @@ impl Search {
         self.units * (self.inputs + 1) + output * (self.units + 1)
     }
 
-    fn told(&self, region: &Region<f64>) -> Told {
+    fn evaluate(&self, region: &Region<f64>) -> Evaluation {
         let unit = |row: &[f64]| {
             let h = row.iter().zip(&region.inputs[..self.inputs]).fold(row[self.inputs], |sum, (w, x)| sum + w * x);
             let root = (h * h + 1.0).sqrt();
@@ -176,31 +176,31 @@ impl Search {
             let row = &self.weights[self.output(k)..][..=self.units];
             *output = row.iter().zip(&units).fold(row[self.units], |sum, (w, x)| sum + w * x);
         }
-        Told { units, slopes, outputs, light: light(region, outputs) }
+        Evaluation { units, slopes, outputs, light: light(region, outputs) }
     }
 
     /// Adds the gradient of an error, from its slope by both parts of the light. `leak` is the slope of a blend's share
     /// beyond its ends, so that it can return.
-    fn learn(&self, region: &Region<f64>, told: &Told, by_light: [f64; 2], leak: f64, slope: &mut [f64]) {
+    fn learn(&self, region: &Region<f64>, values: &Evaluation, by_light: [f64; 2], leak: f64, slope: &mut [f64]) {
         let mut by_output = [0.0; OUTPUTS];
         for (k, by_output) in by_output[..self.outputs].iter_mut().enumerate() {
             let at = |x: f64| {
-                let mut outputs = told.outputs;
+                let mut outputs = values.outputs;
                 outputs[k] = x;
                 light(region, outputs)
             };
-            let x = told.outputs[k];
+            let x = values.outputs[k];
             let is_beyond = SHARES.contains(&k) && !(0.0..=1.0).contains(&x);
             let ([low, high], scale) =
                 if is_beyond { ([0.0, 1.0].map(at), leak) } else { ([x - TINY, x + TINY].map(at), 0.5 / TINY) };
             *by_output = scale * (by_light[0] * (high[0] - low[0]) + by_light[1] * (high[1] - low[1]));
             let row = &mut slope[self.output(k)..][..=self.units];
-            row.iter_mut().zip(&told.units).for_each(|(slope, unit)| *slope += *by_output * unit);
+            row.iter_mut().zip(&values.units).for_each(|(slope, unit)| *slope += *by_output * unit);
             row[self.units] += *by_output;
         }
         for unit in 0..self.units {
             let sum: f64 = (0..self.outputs).map(|k| by_output[k] * self.weights[self.output(k) + unit]).sum();
-            let by_unit = sum * told.slopes[unit];
+            let by_unit = sum * values.slopes[unit];
             let row = &mut slope[unit * (self.inputs + 1)..][..=self.inputs];
             row.iter_mut().zip(&region.inputs[..self.inputs]).for_each(|(slope, x)| *slope += by_unit * x);
             row[self.inputs] += by_unit;
@@ -212,26 +212,26 @@ impl Search {
         let mut sum = 0.0;
         match lesson {
             Lesson::Light(region, truth, weight) => {
-                let told = self.told(region);
+                let values = self.evaluate(region);
                 let mut by_light = [0.0; 2];
                 for (i, by_light) in by_light.iter_mut().enumerate() {
-                    let error = told.light[i] - truth[i];
+                    let error = values.light[i] - truth[i];
                     let relative = 1.0 + RELATIVE / (truth[i] + DARK);
                     let part = if i == 0 { *weight } else { SCHLICK * weight };
                     let root = error.hypot(NEGLIGIBLE);
                     sum += part * (relative * root + LARGE * error * error);
                     *by_light = part * (relative * error / root + 2.0 * LARGE * error);
                 }
-                self.learn(region, &told, by_light, leak, slope);
+                self.learn(region, &values, by_light, leak, slope);
             }
             Lesson::Growth(regions) => {
-                let told: Vec<Told> = regions.iter().map(|region| self.told(region)).collect();
-                let mut by_light = vec![[0.0; 2]; told.len()];
+                let values: Vec<Evaluation> = regions.iter().map(|region| self.evaluate(region)).collect();
+                let mut by_light = vec![[0.0; 2]; values.len()];
                 for (of, fall_weight) in [[1.0, 0.0], [PLASTIC, 1.0 - PLASTIC]].into_iter().zip(FALL) {
-                    let value = |told: &Told| of[0] * told.light[0] + of[1] * told.light[1];
+                    let value = |values: &Evaluation| of[0] * values.light[0] + of[1] * values.light[1];
                     let mut most = 0;
-                    for i in 0..told.len() {
-                        let fall = value(&told[most]) - value(&told[i]);
+                    for i in 0..values.len() {
+                        let fall = value(&values[most]) - value(&values[i]);
                         if fall <= 0.0 {
                             most = i;
                             continue;
@@ -243,9 +243,9 @@ impl Search {
                         }
                     }
                 }
-                for ((region, told), by_light) in regions.iter().zip(&told).zip(by_light) {
+                for ((region, values), by_light) in regions.iter().zip(&values).zip(by_light) {
                     if by_light != [0.0; 2] {
-                        self.learn(region, told, by_light, leak, slope);
+                        self.learn(region, values, by_light, leak, slope);
                     }
                 }
             }
@@ -301,7 +301,8 @@ pub(super) fn trained(options: &Options, start: u64, lessons: &[Lesson]) -> (f64
             for slope in &mut slope {
                 *slope /= batch.len() as f64;
             }
-            let length = STEP * (0.5 + 0.5 * (PI * step as f64 / steps as f64).cos()).powf(1.5) + 1e-5;
+            let first = if options.rule == NormalsRule::Fine { STEP[0] } else { STEP[1] };
+            let length = first * (0.5 + 0.5 * (PI * step as f64 / steps as f64).cos()).powf(1.5) + 1e-5;
             search.step(&mut adam, &slope, length);
             step += 1;
         }

@@ -68,7 +68,7 @@ pub enum Polynomial {
     ByLarger,
     /// Correction of the amplitude, divided by the smaller roughness.
     BySmaller,
-    /// Minus the cosine, it is the base of Schlick's power. It is nearly one for smooth surfaces.
+    /// The base of Schlick's power, plus the cosine. Nearly one for smooth surfaces.
     Incidence,
 }
 

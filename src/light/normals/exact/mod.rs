@@ -9,8 +9,8 @@ use self::edge::curved_part;
 use super::{outline::Corner, view::View};
 use ltcforge_fit::math::{Scalar, Triple, cross, minus, plus};
 
-/// The integral of `c x dc` along the images of all edges. The part under the chords is summed around the first corner, where it is small for a small
-/// light.
+/// The integral of `c x dc` along the images of all edges. The part under the chords is summed around the first corner,
+/// where it is small for a small light.
 pub(super) fn flux<T: Scalar>(view: &View<T>, corners: &[Corner<T>]) -> Triple<T> {
     let origin = corners[0].c;
     beyond_chords(view, corners).fold([T::ZERO; 3], |sum, (from, to, beyond)| {
