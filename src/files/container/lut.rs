@@ -3,13 +3,16 @@
 //! | tensor | type | shape |
 //! |---|---|---|
 //! | `texels` | f32, or f16 if it is the recipe's precision | roughness, cos_theta, channels |
-//! | `average` (table `albedo`) | like `texels` | roughness |
+//! | `average` (table `albedo`) | f32 | roughness |
 
 use safetensors::{SafeTensors, serialize};
 
 use super::safetensors::{RECIPE_KEY, TableFile, TableFileError, decode, finite, tensor};
 use crate::recipe_document::{self, AnyRecipe};
-use ltcforge_fit::albedo::{Lut, LutKind, LutRecipe};
+use ltcforge_fit::{
+    Precision,
+    albedo::{Lut, LutKind, LutRecipe},
+};
 
 /// A decoded file of a lookup table.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,7 +51,7 @@ pub fn encode_lut(recipe: &LutRecipe, lut: &Lut) -> Result<Vec<u8>, TableFileErr
     let shape = shape(recipe);
     let mut tensors = vec![("texels".to_owned(), tensor(recipe.precision, &shape, &lut.texels))];
     tensors.extend(
-        lut.average.as_ref().map(|average| ("average".to_owned(), tensor(recipe.precision, &shape[..1], average))),
+        lut.average.as_ref().map(|average| ("average".to_owned(), tensor(Precision::F32, &shape[..1], average))),
     );
     let metadata = [(RECIPE_KEY.to_owned(), recipe_document::canonical_json(recipe))];
     serialize(tensors, Some(metadata.into_iter().collect()))
@@ -71,9 +74,9 @@ pub fn decode_any(bytes: &[u8]) -> Result<AnyFile, TableFileError> {
     let Ok(AnyRecipe::Lut(recipe)) = recipe_document::parse_any_stored(text.as_bytes()) else { return ltc() };
     let file = SafeTensors::deserialize(bytes).map_err(|error| TableFileError::Container(error.to_string()))?;
     let shape = shape(&recipe);
-    let numbers = |name: &str, shape: &[usize]| finite(&file, name, recipe.precision, shape);
-    let average = (recipe.table == LutKind::Albedo).then(|| numbers("average", &shape[..1])).transpose()?;
-    let lut = Lut { texels: numbers("texels", &shape)?, average };
+    let average = || finite(&file, "average", Precision::F32, &shape[..1]);
+    let average = (recipe.table == LutKind::Albedo).then(average).transpose()?;
+    let lut = Lut { texels: finite(&file, "texels", recipe.precision, &shape)?, average };
     if encode_lut(&recipe, &lut)? != bytes {
         return Err(TableFileError::NotCanonical);
     }

@@ -2,16 +2,25 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::named_list;
+use crate::{math::cbrt, named_list};
 
 /// The smallest alpha of a value. Smoother surfaces have the value of this alpha.
-const LEAST_ALPHA: f64 = 1e-4;
+pub(super) const LEAST_ALPHA: f64 = 1e-4;
 /// The smallest cosine of a value. Lower views have the value of this cosine.
 const LEAST_COSINE: f64 = 1e-3;
+
+/// The smallest cosine of the domain in which errors are stated.
+const DOMAIN_COSINE: f64 = 0.01;
+/// Cells have more places in the first of this many parts of an axis, if they have more than [`FEWEST`].
+const DENSE: usize = 4;
+/// The smallest number of places in a cell.
+pub(super) const FEWEST: usize = 2;
 
 named_list! {
     /// The parameter on the axis of roughness.
     pub enum RoughnessAxis {
+        /// The cube root of alpha.
+        CubeRoot = "cube_root",
         /// Perceptual roughness, the square root of alpha.
         Perceptual = "perceptual",
         /// GGX alpha.
@@ -22,6 +31,8 @@ named_list! {
 named_list! {
     /// The parameter on the axis of the view.
     pub enum CosineAxis {
+        /// The cube root of the cosine.
+        CubeRoot = "cube_root",
         /// The square root of the cosine.
         Root = "root",
         /// The cosine between view and normal.
@@ -74,14 +85,22 @@ impl RoughnessAxis {
     /// Alpha at a parameter in [0, 1].
     #[must_use]
     pub fn alpha(self, x: f64) -> f64 {
-        let alpha = if self == Self::Perceptual { x * x } else { x };
+        let alpha = match self {
+            Self::CubeRoot => x * x * x,
+            Self::Perceptual => x * x,
+            Self::Alpha => x,
+        };
         alpha.clamp(LEAST_ALPHA, 1.0)
     }
 
     /// The parameter of an alpha.
     #[must_use]
     pub fn of_alpha(self, alpha: f64) -> f64 {
-        if self == Self::Perceptual { alpha.sqrt() } else { alpha }
+        match self {
+            Self::CubeRoot => cbrt(alpha),
+            Self::Perceptual => alpha.sqrt(),
+            Self::Alpha => alpha,
+        }
     }
 }
 
@@ -90,8 +109,9 @@ impl CosineAxis {
     #[must_use]
     pub fn cosine(self, x: f64) -> f64 {
         let cosine = match self {
-            Self::Cosine => x,
+            Self::CubeRoot => x * x * x,
             Self::Root => x * x,
+            Self::Cosine => x,
             Self::Complement => 1.0 - x * x,
         };
         cosine.clamp(LEAST_COSINE, 1.0)
@@ -101,10 +121,104 @@ impl CosineAxis {
     #[must_use]
     pub fn of_cosine(self, cosine: f64) -> f64 {
         match self {
-            Self::Cosine => cosine,
+            Self::CubeRoot => cbrt(cosine),
             Self::Root => cosine.sqrt(),
+            Self::Cosine => cosine,
             Self::Complement => (1.0 - cosine).max(0.0).sqrt(),
         }
+    }
+}
+
+/// A parameter in [0, 1] on an axis of a table.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Parameter {
+    /// Roughness, with the smallest alpha of the domain in which errors are stated.
+    Roughness(RoughnessAxis, f64),
+    Cosine(CosineAxis),
+}
+
+impl Parameter {
+    /// Alpha, or the cosine.
+    pub(super) fn value(self, x: f64) -> f64 {
+        match self {
+            Self::Roughness(axis, _) => axis.alpha(x),
+            Self::Cosine(axis) => axis.cosine(x),
+        }
+    }
+
+    /// The ends of the domain in which errors are stated. Cosines are from .01.
+    pub(super) fn domain(self) -> [f64; 2] {
+        let ends = match self {
+            Self::Roughness(axis, least) => [least, 1.0].map(|alpha| axis.of_alpha(alpha)),
+            Self::Cosine(axis) => [DOMAIN_COSINE, 1.0].map(|cosine| axis.of_cosine(cosine)),
+        };
+        [ends[0].min(ends[1]), ends[0].max(ends[1])]
+    }
+
+    /// Evenly spaced parameters over the domain, about `count`, with its ends. They include the texels and the middles
+    /// between texels, where errors of a linear filter are largest.
+    pub(super) fn even(self, filter: Texels, texels: usize, count: usize) -> Vec<f64> {
+        let cells = if filter == Texels::Corners { texels - 1 } else { texels };
+        let steps = cells * 2 * (count / (2 * cells)).max(1);
+        let [from, to] = self.domain();
+        let inner = (0..=steps).map(|i| i as f64 / steps as f64).filter(|x| *x > from && *x < to);
+        [from].into_iter().chain(inner).chain([to]).collect()
+    }
+
+    /// The parameters at which values are computed for a fit, in rising order: `per_texel` in each cell between texels,
+    /// twice as many near smooth surfaces and low views, with all texels. The nearest two are moved onto the ends of the
+    /// domain.
+    pub(super) fn places(self, filter: Texels, texels: usize, per_texel: usize) -> Vec<f64> {
+        let is_falling = self.value(0.0) > self.value(1.0);
+        let cells = if filter == Texels::Corners { texels - 1 } else { texels };
+        let within = |cell: usize| {
+            let from_dense_end = if is_falling { cells - 1 - cell } else { cell };
+            let is_dense = per_texel > FEWEST && DENSE * from_dense_end < cells;
+            let steps = if is_dense { 2 * per_texel } else { per_texel };
+            (0..steps).map(move |i| (cell as f64 + i as f64 / steps as f64) / cells as f64)
+        };
+        let mut places: Vec<f64> = (0..cells).flat_map(within).chain([1.0]).collect();
+        for end in self.domain() {
+            let after = places.partition_point(|x| *x < end).clamp(1, places.len() - 1);
+            let nearest = if end - places[after - 1] < places[after] - end { after - 1 } else { after };
+            places[nearest] = end;
+        }
+        places
+    }
+}
+
+/// A place of a fit on an axis.
+#[derive(Debug)]
+pub(super) struct AxisPlace {
+    /// The texel below.
+    pub(super) below: usize,
+    /// The weight of the next texel.
+    pub(super) next: f64,
+    /// The length of the axis for which the place stands. Zero outside the domain.
+    pub(super) weight: f64,
+}
+
+/// An axis of a fit.
+#[derive(Debug)]
+pub(super) struct Axis {
+    /// The number of texels.
+    pub(super) texels: usize,
+    /// The places at which values are known.
+    pub(super) places: Vec<AxisPlace>,
+}
+
+impl Axis {
+    /// The axis with places at `parameters`.
+    pub(super) fn new(parameter: Parameter, filter: Texels, texels: usize, parameters: &[f64]) -> Self {
+        let [from, to] = parameter.domain();
+        let last = parameters.len() - 1;
+        let places = parameters.iter().enumerate().map(|(i, x)| {
+            let (below, next) = filter.filter(*x, texels);
+            let length = parameters[(i + 1).min(last)] - parameters[i.saturating_sub(1)];
+            let weight = if (from..=to).contains(x) { length * last as f64 } else { 0.0 };
+            AxisPlace { below, next, weight }
+        });
+        Self { texels, places: places.collect() }
     }
 }
 

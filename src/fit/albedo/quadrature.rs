@@ -37,6 +37,11 @@ impl Rule {
         Self((0..n).map(node).collect())
     }
 
+    /// Nodes in [0, 1] in rising order, symmetric around one half, and their weights.
+    pub(super) fn nodes(&self) -> &[[f64; 2]] {
+        &self.0
+    }
+
     /// The integral of `f` from `from` to `to`.
     pub(super) fn integrate<const N: usize>(&self, from: f64, to: f64, mut f: impl FnMut(f64) -> [f64; N]) -> [f64; N] {
         let mut sum = [0.0; N];

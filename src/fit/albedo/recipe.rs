@@ -2,8 +2,15 @@
 
 use serde::Serialize;
 
-use super::{axes::LutAxes, ggx::ggx, quadrature::albedo};
+use super::{
+    axes::{LEAST_ALPHA, LutAxes, Parameter},
+    ggx::ggx,
+    quadrature::albedo,
+};
 use crate::{brdf::BrdfKind, expectation::Expectation, layout::Precision, named_list};
+
+/// The smallest alpha of the domain in which errors are stated, except for tables of kind `albedo`.
+const DOMAIN_ALPHA: f64 = 0.002;
 
 named_list! {
     /// The values of a lookup table.
@@ -85,6 +92,17 @@ impl LutRecipe {
     #[must_use]
     pub fn entries(&self) -> u64 {
         u64::from(self.resolution.roughness) * u64::from(self.resolution.cos_theta)
+    }
+
+    /// The parameter of each axis and its texels. The last axis is the fastest.
+    pub(super) fn grid(&self) -> [(Parameter, usize); 2] {
+        let LutResolution { roughness, cos_theta } = self.resolution;
+        // A furnace needs the albedo of all surfaces.
+        let least = if self.table == LutKind::Albedo { LEAST_ALPHA } else { DOMAIN_ALPHA };
+        [
+            (Parameter::Roughness(self.axes.roughness, least), roughness as usize),
+            (Parameter::Cosine(self.axes.cos_theta), cos_theta as usize),
+        ]
     }
 
     /// The predicted time, mean error and size of the table.

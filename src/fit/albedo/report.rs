@@ -3,14 +3,20 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{recipe::LutRecipe, rows::Lut, solve::LEAST};
+use super::{
+    recipe::LutRecipe,
+    rows::{Lut, round},
+};
 use crate::{
-    math::{Lattice, from_half_bits, half_bits},
+    brdf::BrdfKind,
+    math::{from_half_bits, half_bits},
     named_list,
 };
 
-/// The number of places at which a table is measured. They are not the places of the fit.
-const PLACES: usize = 4096;
+/// About the number of places on each axis at which a table of GGX, or of another model, is measured. They are not the
+/// places of the fit. With 660 places on each axis the largest error of `dfg` is at most 3 % larger.
+const PLACES: usize = 220;
+const FEW_PLACES: usize = 64;
 
 named_list! {
     /// A number format of a texture.
@@ -58,7 +64,7 @@ pub struct LutReport {
     pub places: usize,
     /// The error of the stored numbers.
     pub stored: LutError,
-    /// The error of a table that has the exact values at its texels.
+    /// The error of a table that has the exact values at its texels, rounded to the precision of the recipe.
     pub sampled: LutError,
     /// The error in each number format.
     pub formats: Vec<(StoredAs, LutError)>,
@@ -76,14 +82,13 @@ impl MeasuredLut {
     /// Computes the values on the current rayon pool.
     #[must_use]
     pub fn new(recipe: &LutRecipe) -> Self {
-        let ends = [
-            [recipe.axes.roughness.of_alpha(LEAST[0]), 1.0],
-            [LEAST[1], 1.0].map(|cosine| recipe.axes.cos_theta.of_cosine(cosine)),
-        ];
-        let places: Vec<[f64; 2]> = Lattice::new(PLACES, [0.37, 0.59]).points().collect();
-        let truth = places.into_par_iter().map(|u| {
-            let at = [0, 1].map(|axis| ends[axis][0] + (ends[axis][1] - ends[axis][0]) * u[axis]);
-            (at, recipe.truth(recipe.axes.roughness.alpha(at[0]), recipe.axes.cos_theta.cosine(at[1])))
+        let count = if recipe.brdf == BrdfKind::Ggx { PLACES } else { FEW_PLACES };
+        let grid = recipe.grid();
+        let [rows, columns] = grid.map(|(parameter, texels)| parameter.even(recipe.axes.texels, texels, count));
+        let truth = rows.into_par_iter().flat_map_iter(|row| {
+            let alpha = grid[0].0.value(row);
+            let columns = columns.iter();
+            columns.map(move |column| ([row, *column], recipe.truth(alpha, grid[1].0.value(*column))))
         });
         Self { recipe: *recipe, truth: truth.collect() }
     }
@@ -124,7 +129,11 @@ impl MeasuredLut {
                 let alpha = axes.roughness.alpha(axes.texels.parameter(row, size.roughness as usize));
                 (0..size.cos_theta as usize).flat_map(move |column| {
                     let cosine = axes.cos_theta.cosine(axes.texels.parameter(column, size.cos_theta as usize));
-                    recipe.truth(alpha, cosine).into_iter().take(recipe.channels().len()).map(|x| x as f32)
+                    recipe
+                        .truth(alpha, cosine)
+                        .into_iter()
+                        .take(recipe.channels().len())
+                        .map(|x| round(recipe.precision, x))
                 })
             })
             .collect();

@@ -5,6 +5,7 @@ use std::ops::{ControlFlow, Range};
 use rayon::prelude::*;
 
 use super::{
+    axes::{Axis, FEWEST},
     quadrature::Rule,
     recipe::{LutKind, LutRecipe},
     solve::solve,
@@ -16,12 +17,12 @@ use crate::{
     shard::ShardBytesError,
 };
 
-/// A recipe and the places at which its values are computed. Each texel has several places on each axis.
+/// A recipe and the places at which its values are computed.
 #[derive(Debug, Clone)]
 pub struct LutPlan {
     recipe: LutRecipe,
-    /// Places for each texel on each axis.
-    per_texel: usize,
+    /// The parameters of the places on each axis.
+    places: Vec<Vec<f64>>,
 }
 
 /// A lookup table.
@@ -29,16 +30,20 @@ pub struct LutPlan {
 pub struct Lut {
     /// Rows of roughness, then texels of the view, then channels.
     pub texels: Vec<f32>,
-    /// The average of the albedo over the hemisphere for each roughness, in tables of kind `albedo`.
+    /// The average of the albedo over the hemisphere for each roughness, in tables of kind `albedo`. Always f32, because
+    /// a smooth surface loses less energy than the step of halves below one.
     pub average: Option<Vec<f32>>,
 }
 
 impl LutPlan {
-    /// The plan of a recipe.
+    /// The plan of a recipe. Each texel has several places on each axis.
     #[must_use]
     pub fn new(recipe: &LutRecipe) -> Self {
-        let most = recipe.resolution.roughness.max(recipe.resolution.cos_theta) as usize;
-        Self { recipe: *recipe, per_texel: (256 / most).clamp(2, 8) }
+        let grid = recipe.grid();
+        let most = grid.iter().map(|(_, texels)| *texels).max().unwrap_or(1);
+        let per_texel = FEWEST * (128 / most).clamp(1, 4);
+        let places = grid.iter().map(|(parameter, texels)| parameter.places(recipe.axes.texels, *texels, per_texel));
+        Self { recipe: *recipe, places: places.collect() }
     }
 
     /// The recipe of the plan.
@@ -53,32 +58,21 @@ impl LutPlan {
         self.recipe.resolution.roughness
     }
 
-    /// The parameters of the places on the axis of roughness.
-    pub(super) fn roughnesses(&self) -> Vec<f64> {
-        places(self.recipe.resolution.roughness as usize * self.per_texel)
-    }
-
-    /// The parameters of the places on the axis of the view.
-    pub(super) fn cosines(&self) -> Vec<f64> {
-        places(self.recipe.resolution.cos_theta as usize * self.per_texel)
-    }
-
-    /// The places on the axis of roughness that belong to a shard. The last shard has one more.
+    /// The places on the first axis that belong to a shard.
     fn rows(&self, shard: u32) -> Range<usize> {
-        let start = shard as usize * self.per_texel;
-        start..start + self.per_texel + usize::from(shard + 1 == self.shards())
+        let start = |shard: u32| shard as usize * self.places[0].len() / self.shards() as usize;
+        start(shard)..start(shard + 1)
     }
 
-    /// The values at the places of a shard: for each place of roughness, two numbers for each place of the view.
-    /// `None` if `on_progress` stops it.
+    /// The values at the places of a shard, all channels of each place. `None` if `on_progress` stops it.
     pub fn fit_shard(&self, shard: u32, on_progress: &mut dyn FnMut(u64) -> ControlFlow<()>) -> Option<Vec<f64>> {
-        let (recipe, cosines) = (&self.recipe, self.cosines());
-        let roughnesses = self.roughnesses();
+        let recipe = &self.recipe;
+        let (grid, channels) = (recipe.grid(), recipe.channels().len());
         let mut values = Vec::with_capacity(self.numbers(shard));
         for row in self.rows(shard) {
-            let alpha = recipe.axes.roughness.alpha(roughnesses[row]);
-            for x in &cosines {
-                values.extend(recipe.truth(alpha, recipe.axes.cos_theta.cosine(*x)));
+            let alpha = grid[0].0.value(self.places[0][row]);
+            for x in &self.places[1] {
+                values.extend(recipe.truth(alpha, grid[1].0.value(*x)).into_iter().take(channels));
             }
             on_progress(0).is_continue().then_some(())?;
         }
@@ -87,11 +81,8 @@ impl LutPlan {
 
     /// The numbers of a shard.
     fn numbers(&self, shard: u32) -> usize {
-        self.rows(shard).len() * self.row_numbers()
-    }
-
-    fn row_numbers(&self) -> usize {
-        2 * self.cosines().len()
+        let others: usize = self.places[1..].iter().map(Vec::len).product();
+        self.rows(shard).len() * others * self.recipe.channels().len()
     }
 
     /// Decodes the result of a shard, which is little-endian f64.
@@ -112,18 +103,21 @@ impl LutPlan {
     pub fn assemble(&self, values: &[f64]) -> Lut {
         let recipe = &self.recipe;
         let channels = recipe.channels().len();
-        let (rows, columns) = (self.roughnesses(), self.cosines());
-        let row_numbers = self.row_numbers();
-        let truth = |channel: usize| -> Vec<f64> {
-            values.chunks(row_numbers).flat_map(|row| (0..columns.len()).map(move |i| row[2 * i + channel])).collect()
-        };
+        let grid = recipe.grid();
+        let axes = grid.iter().zip(&self.places);
+        let axes: Vec<Axis> = axes
+            .map(|((parameter, texels), places)| Axis::new(*parameter, recipe.axes.texels, *texels, places))
+            .collect();
+        // A surface that reflects more than all light has no lost energy to return.
+        let is_bounded = recipe.table == LutKind::Albedo;
+        let truth = |channel: usize| -> Vec<f64> { values.iter().skip(channel).step_by(channels).copied().collect() };
         let solved: Vec<Vec<f64>> =
-            (0..channels).into_par_iter().map(|channel| solve(recipe, [&rows, &columns], &truth(channel))).collect();
+            (0..channels).into_par_iter().map(|channel| solve(&axes, &truth(channel), is_bounded)).collect();
         let texels = (0..solved[0].len()).flat_map(|texel| solved.iter().map(move |channel| channel[texel]));
         let texels: Vec<f32> = texels.map(|x| round(recipe.precision, x)).collect();
         let average = (recipe.table == LutKind::Albedo).then(|| {
             let rows = texels.chunks(recipe.resolution.cos_theta as usize);
-            rows.map(|row| round(recipe.precision, average(recipe, row))).collect()
+            rows.map(|row| average(recipe, row) as f32).collect()
         });
         Lut { texels, average }
     }
@@ -146,13 +140,8 @@ fn average(recipe: &LutRecipe, row: &[f32]) -> f64 {
     (0..steps).map(part).sum()
 }
 
-/// Evenly spaced parameters from 0 to 1.
-fn places(steps: usize) -> Vec<f64> {
-    (0..=steps).map(|i| i as f64 / steps as f64).collect()
-}
-
 /// The nearest number of a precision.
-fn round(precision: Precision, x: f64) -> f32 {
+pub(super) fn round(precision: Precision, x: f64) -> f32 {
     match precision {
         Precision::F32 => x as f32,
         Precision::F16 => from_half_bits(half_bits_f64(x)),

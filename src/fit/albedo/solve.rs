@@ -1,114 +1,136 @@
 //! The texels whose linear filter is nearest to given values.
 
-use super::recipe::LutRecipe;
+use super::axes::Axis;
 
-/// The domain of the stated errors: the smallest alpha and the smallest cosine.
-pub(super) const LEAST: [f64; 2] = [0.002, 0.01];
 /// The weight of places outside the domain. They only determine texels that the domain does not reach.
 const OUTSIDE: f64 = 1e-4;
-/// Rounds of least squares. The first has equal weights; each following round gives more weight to large errors. At 32 x
-/// 32 the rounds decrease the largest error of `dfg` in f16 from .0057 to .0043, at 16 x 16 from .0179 to .0150
-/// (331 x 337 places, not those of the report).
-const ROUNDS: usize = 8;
+/// Rounds of least squares. In each round after the first, the weight of a place grows with the square of its error
+/// [Lawson 1961].
+const ROUNDS: usize = 12;
+/// The growth of the weight where the error is largest.
+const GROWTH: f64 = 4.0;
+/// The smallest weight relative to the first round's, so the mean error stays small.
+const LEAST_WEIGHT: f64 = 0.1;
 /// The number of texels above which fewer rounds are enough.
-const MANY_TEXELS: u64 = 64 * 64;
+const MANY_TEXELS: usize = 64 * 64;
 const FEW_ROUNDS: usize = 3;
 /// Steps of conjugate gradients in each round, from the texels of the previous round.
 const STEPS: usize = 24;
 
-/// A place: the first of its four texels, the weights of the next texel on both axes, its value and its weight.
-struct Place {
-    texel: usize,
-    next: [f64; 2],
-    value: f64,
-    domain: f64,
-    weight: f64,
+/// The places of a solve and the linear filter at each.
+struct Places {
+    /// The first texel of each place.
+    texels: Vec<usize>,
+    /// The texels of a place, relative to its first.
+    offsets: Vec<usize>,
+    /// The weights of these texels, for one place after another.
+    filters: Vec<f64>,
+    /// The weights of the first round. Places outside the domain have [`OUTSIDE`].
+    domain: Vec<f64>,
 }
 
-impl Place {
-    fn filters(&self) -> [f64; 4] {
-        let [row, column] = self.next;
-        [(1.0 - row) * (1.0 - column), (1.0 - row) * column, row * (1.0 - column), row * column]
-    }
-}
-
-/// The texels for the values at the places `[roughness, cosine]`, row-major.
-///
-/// Minimises the weighted squares of `filtered - value` by conjugate gradients.
-pub(super) fn solve(recipe: &LutRecipe, [rows, columns]: [&[f64]; 2], values: &[f64]) -> Vec<f64> {
-    let (axes, sizes) = (&recipe.axes, [recipe.resolution.roughness as usize, recipe.resolution.cos_theta as usize]);
-    let width = sizes[1];
-    let mut places = Vec::with_capacity(values.len());
-    for (row, values) in rows.iter().zip(values.chunks(columns.len())) {
-        let (texel, next) = axes.texels.filter(*row, sizes[0]);
-        let is_rough = axes.roughness.alpha(*row) >= LEAST[0];
-        for (column, value) in columns.iter().zip(values) {
-            let (below, after) = axes.texels.filter(*column, width);
-            let is_inside = is_rough && axes.cos_theta.cosine(*column) >= LEAST[1];
-            let domain = if is_inside { 1.0 } else { OUTSIDE };
-            places.push(Place {
-                texel: texel * width + below,
-                next: [next, after],
-                value: *value,
-                domain,
-                weight: domain,
-            });
+impl Places {
+    /// The product of the places on all axes.
+    fn new(axes: &[Axis]) -> Self {
+        let (mut texels, mut offsets, mut filters, mut domain) = (vec![0], vec![0], vec![1.0], vec![1.0]);
+        for axis in axes {
+            offsets = offsets.iter().flat_map(|at| [at * axis.texels, at * axis.texels + 1]).collect();
+            let corners = offsets.len() / 2;
+            let (last_texels, last_domain) = (texels, domain);
+            let mut next_filters = Vec::with_capacity(2 * filters.len() * axis.places.len());
+            (texels, domain) = (vec![], vec![]);
+            for (i, texel) in last_texels.iter().enumerate() {
+                for place in &axis.places {
+                    texels.push(texel * axis.texels + place.below);
+                    domain.push(last_domain[i] * place.weight);
+                    let last = &filters[i * corners..(i + 1) * corners];
+                    next_filters.extend(last.iter().flat_map(|x| [x * (1.0 - place.next), x * place.next]));
+                }
+            }
+            filters = next_filters;
         }
+        let domain = domain.into_iter().map(|weight| weight.max(OUTSIDE)).collect();
+        Self { texels, offsets, filters, domain }
     }
-    let offsets = [0, 1, width, width + 1];
-    let filtered = |texels: &[f64], place: &Place| -> f64 {
-        place.filters().iter().zip(offsets).map(|(weight, offset)| weight * texels[place.texel + offset]).sum()
-    };
-    let mut texels = vec![0.0; sizes[0] * width];
-    for round in 0..if recipe.entries() > MANY_TEXELS { FEW_ROUNDS } else { ROUNDS } {
-        if round > 0 {
-            let errors: Vec<f64> = places.iter().map(|place| (filtered(&texels, place) - place.value).abs()).collect();
-            let inside = || places.iter().zip(&errors).filter(|(place, _)| place.domain == 1.0);
-            let largest = inside().map(|(_, error)| *error).fold(1e-9, f64::max);
-            for (place, error) in places.iter_mut().zip(&errors) {
-                let relative = error / largest;
-                let emphasis = 1.0 + 20.0 * relative * relative * relative;
-                place.weight = 0.5 * place.weight + 0.5 * place.domain * emphasis;
+
+    /// What the linear filter reads at each place.
+    fn filtered<'a>(&'a self, texels: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        let filters = self.filters.chunks_exact(self.offsets.len());
+        self.texels.iter().zip(filters).map(move |(first, filters)| {
+            filters.iter().zip(&self.offsets).map(|(weight, offset)| weight * texels[first + offset]).sum()
+        })
+    }
+
+    /// Adds a number of each place to its texels, with the weights that `weight` makes of those of the filter.
+    fn spread(&self, numbers: impl Iterator<Item = f64>, weight: impl Fn(f64) -> f64, to: &mut [f64]) {
+        let filters = self.filters.chunks_exact(self.offsets.len());
+        for ((first, filters), number) in self.texels.iter().zip(filters).zip(numbers) {
+            for (filter, offset) in filters.iter().zip(&self.offsets) {
+                to[first + offset] += weight(*filter) * number;
             }
         }
-        descend(&mut texels, &places, &offsets, if round == 0 { 2 * STEPS } else { STEPS });
+    }
+}
+
+/// The texels for the values at the places of the axes. Both are row-major.
+///
+/// Minimises the weighted squares of `filtered - value` by conjugate gradients. If `is_bounded`, texels are in [0, 1].
+pub(super) fn solve(axes: &[Axis], values: &[f64], is_bounded: bool) -> Vec<f64> {
+    let places = Places::new(axes);
+    let count = axes.iter().map(|axis| axis.texels).product();
+    let mut weights = places.domain.clone();
+    // The first texels are averages of the values nearby.
+    let (mut texels, mut whole) = (vec![0.0; count], vec![1e-12; count]);
+    places.spread(values.iter().zip(&weights).map(|(value, weight)| value * weight), |filter| filter, &mut texels);
+    places.spread(weights.iter().copied(), |filter| filter, &mut whole);
+    texels.iter_mut().zip(&whole).for_each(|(texel, whole)| *texel /= whole);
+    let is_inside: Vec<bool> = places.domain.iter().map(|weight| *weight > OUTSIDE).collect();
+    let total = |weights: &[f64]| -> f64 {
+        weights.iter().zip(&is_inside).map(|(weight, is_inside)| if *is_inside { *weight } else { 0.0 }).sum()
+    };
+    let whole = total(&weights);
+    for round in 0..if count > MANY_TEXELS { FEW_ROUNDS } else { ROUNDS } {
+        if round > 0 {
+            let errors: Vec<f64> =
+                places.filtered(&texels).zip(values).map(|(found, value)| (found - value).abs()).collect();
+            let inside = errors.iter().zip(&is_inside).filter(|(_, is_inside)| **is_inside);
+            let largest = inside.map(|(error, _)| *error).fold(1e-9, f64::max);
+            for i in (0..errors.len()).filter(|i| is_inside[*i]) {
+                let relative = errors[i] / largest;
+                weights[i] *= 1.0 + GROWTH * relative * relative;
+            }
+            let scale = whole / total(&weights);
+            for i in (0..errors.len()).filter(|i| is_inside[*i]) {
+                weights[i] = (weights[i] * scale).max(LEAST_WEIGHT * places.domain[i]);
+            }
+        }
+        descend(&mut texels, &places, values, &weights, if round == 0 { 2 * STEPS } else { STEPS });
+        if is_bounded {
+            texels.iter_mut().for_each(|texel| *texel = texel.clamp(0.0, 1.0));
+        }
     }
     texels
 }
 
 /// Conjugate gradients with the diagonal as preconditioner.
-fn descend(texels: &mut [f64], places: &[Place], offsets: &[usize; 4], steps: usize) {
+fn descend(texels: &mut [f64], places: &Places, values: &[f64], weights: &[f64], steps: usize) {
     let n = texels.len();
-    let mut diagonal = vec![1e-12; n];
-    let mut residual = vec![0.0; n];
-    // `place.value - filtered` spreads back to the four texels of each place.
-    let spread = |from: &dyn Fn(&Place, f64) -> f64, texels: &[f64], to: &mut [f64]| {
-        for place in places {
-            let filters = place.filters();
-            let sum: f64 =
-                filters.iter().zip(offsets).map(|(weight, offset)| weight * texels[place.texel + offset]).sum();
-            let push = from(place, sum);
-            for (weight, offset) in filters.iter().zip(offsets) {
-                to[place.texel + offset] += weight * push;
-            }
-        }
-    };
-    spread(&|place, sum| place.weight * (place.value - sum), texels, &mut residual);
-    for place in places {
-        for (weight, offset) in place.filters().iter().zip(offsets) {
-            diagonal[place.texel + offset] += weight * weight * place.weight;
-        }
-    }
+    let (mut diagonal, mut residual) = (vec![1e-12; n], vec![0.0; n]);
+    places.spread(weights.iter().copied(), |filter| filter * filter, &mut diagonal);
+    let errors = places.filtered(texels).zip(values).zip(weights).map(|((found, value), w)| w * (value - found));
+    places.spread(errors, |filter| filter, &mut residual);
     let scaled = |residual: &[f64]| -> Vec<f64> { residual.iter().zip(&diagonal).map(|(r, d)| r / d).collect() };
     let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
     let mut direction = scaled(&residual);
     let mut square = dot(&residual, &direction);
+    let mut image = vec![0.0; n];
     for _ in 0..steps {
         if square < 1e-24 {
             return;
         }
-        let mut image = vec![0.0; n];
-        spread(&|place, sum| place.weight * sum, &direction, &mut image);
+        image.fill(0.0);
+        let weighted = places.filtered(&direction).zip(weights).map(|(found, w)| w * found);
+        places.spread(weighted, |filter| filter, &mut image);
         let step = square / dot(&direction, &image);
         for i in 0..n {
             texels[i] += step * direction[i];

@@ -13,7 +13,7 @@ mod triple;
 
 pub use frame::{direction, from_row_major, rotation_from_z, row_major, symmetric_sqrt, turned_about_z};
 pub use half::{from_half_bits, half_bits, half_bits_f64};
-pub use portable::{atan2, cos, erfc, exp, ln, pow, sin, sin_cos};
+pub use portable::{atan2, cbrt, cos, erfc, exp, ln, pow, sin, sin_cos};
 pub use scalar::Scalar;
 pub use sequence::{Lattice, SquarePoint, concentric_cosine, cosine_hemisphere, fibonacci_hemisphere, recurrence4};
 pub use single::{atan2_upper, quadrant, sin_cos_turns};

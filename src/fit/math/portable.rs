@@ -44,6 +44,12 @@ pub fn exp(x: f64) -> f64 {
     libm::exp(x)
 }
 
+/// The cube root of `x`.
+#[must_use]
+pub fn cbrt(x: f64) -> f64 {
+    libm::cbrt(x)
+}
+
 /// Complementary error function, `1 - erf(x)`.
 #[must_use]
 pub fn erfc(x: f64) -> f64 {
