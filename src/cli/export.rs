@@ -9,8 +9,8 @@ use clap::{
 use serde_json::json;
 
 use super::{
-    AnyTable, CommandFailure, Context, Exit, TableChoice, Threads, check_output_folder, listed, lut, named, tabulated,
-    usage, write_in,
+    AnyTable, CommandFailure, Context, Exit, TableChoice, Threads, check_output_folder, listed, lut, tabulated, usage,
+    write_in,
 };
 use ltcforge_files::{
     compact::{self, Encoded},
@@ -18,7 +18,7 @@ use ltcforge_files::{
 };
 use ltcforge_fit::{Precision, Recipe, Spread, Table};
 use ltcforge_textures::{
-    About, Bundle, CompactContainer, Displacement, Engine, Export, LutExport, LutExportError, RoundingError,
+    About, Bundle, CompactContainer, Displacement, Engine, Export, LutEngine, LutExport, PNG, RoundingError,
     TextureContainer, TextureFile, TextureLayout, UnknownExport, layout_names,
 };
 
@@ -44,8 +44,8 @@ pub struct ExportArgs {
 #[derive(Debug, Clone, PartialEq, Eq, Args)]
 pub struct ExportChoice {
     /// Engine to write files for
-    #[arg(long = "for", value_name = "ENGINE", value_parser = named(Engine::ALL, Engine::name), requires = "out")]
-    pub engine: Option<Engine>,
+    #[arg(long = "for", value_name = "ENGINE", value_parser = engines(), requires = "out")]
+    pub engine: Option<String>,
     /// Texture layout, with --container
     #[arg(long, value_name = "NAME", requires = "container", conflicts_with = "engine")]
     pub layout: Option<String>,
@@ -63,10 +63,10 @@ impl ExportChoice {
     /// # Errors
     /// When `--precision` is given with another engine, or without textures.
     pub(super) fn checked(&self) -> Result<Self, CommandFailure> {
-        let engine = match (self.engine, self.precision) {
+        let engine = match (self.engine.as_deref(), self.precision) {
             (None, Some(_)) if self.layout.is_none() => return Err(usage("--precision needs --layout or --for wgpu")),
             (None, _) | (_, None) => return Ok(self.clone()),
-            (Some(Engine::Wgpu), Some(Precision::F16)) => Engine::WgpuHalf,
+            (Some(engine), Some(Precision::F16)) if engine == Engine::Wgpu.name() => Engine::WgpuHalf.name().to_owned(),
             (Some(other), _) => {
                 return Err(usage(format!("--for {other} has its own precision: leave out --precision")));
             }
@@ -75,9 +75,16 @@ impl ExportChoice {
     }
 }
 
+/// The names of engines, of either kind of table.
+fn engines() -> PossibleValuesParser {
+    let engines = Engine::ALL.iter().map(|engine| engine.name());
+    let others = LutEngine::ALL.iter().map(|engine| engine.name()).filter(|name| Engine::from_name(name).is_none());
+    PossibleValuesParser::new(engines.chain(others))
+}
+
 /// The names of texture formats and compact forms.
 fn containers() -> PossibleValuesParser {
-    let textures = TextureContainer::ALL.iter().map(|container| container.name());
+    let textures = TextureContainer::ALL.iter().map(|container| container.name()).chain([PNG]);
     PossibleValuesParser::new(textures.chain(CompactContainer::ALL.iter().map(|container| container.name())))
 }
 
@@ -127,14 +134,18 @@ fn lut_export(args: &ExportArgs) -> Result<LutExport, CommandFailure> {
     if let Some(layout) = &choice.layout {
         return Err(usage(format!("--layout {layout} is for tables of linearly transformed cosines: leave it out")));
     }
-    let Some(name) = &choice.container else {
-        if choice.precision.is_some() {
-            return Err(usage("--for has its own precision: leave out --precision"));
+    if choice.engine.is_some() && choice.precision.is_some() {
+        return Err(usage("--for has its own precision: leave out --precision"));
+    }
+    let name = choice.engine.as_ref().or(choice.container.as_ref());
+    let export = name.ok_or_else(|| usage("use --for ENGINE or --container NAME"))?.parse().map_err(usage)?;
+    Ok(match (export, choice.precision) {
+        (LutExport::Textures { container, .. }, Some(precision)) => LutExport::Textures { container, precision },
+        (LutExport::Png, Some(_)) => {
+            return Err(usage("--container png has the table's precision: leave out --precision"));
         }
-        return choice.engine.map(LutExport::Engine).ok_or_else(|| usage("use --for ENGINE or --container NAME"));
-    };
-    let container = TextureContainer::from_name(name).ok_or_else(|| usage(LutExportError::Unknown(name.clone())))?;
-    Ok(LutExport::Textures { container, precision: choice.precision.unwrap_or(Precision::F32) })
+        (export, _) => export,
+    })
 }
 
 /// The export that the options choose.
@@ -144,7 +155,7 @@ fn lut_export(args: &ExportArgs) -> Result<LutExport, CommandFailure> {
 pub(super) fn export_of(choice: &ExportChoice) -> Result<Export, CommandFailure> {
     let ExportChoice { engine, layout, container, precision } = &choice.checked()?;
     let container = match (engine, container) {
-        (Some(engine), _) => return Ok(Export::Engine(*engine)),
+        (Some(engine), _) => return engine.parse().map_err(|error: UnknownExport| usage(error)),
         (None, None) => return Err(usage("use --for ENGINE or --container NAME")),
         (None, Some(container)) => container,
     };
@@ -222,8 +233,8 @@ fn text(args: &ExportArgs, files: &[TextureFile], compared: &[Compared], steps: 
     for step in steps {
         let _ = writeln!(out, "{step}");
     }
-    if matches!(args.choice.engine, Some(Engine::Three | Engine::Bevy)) {
-        out += "For the DFG table of this engine, fit the recipe dfg and export its table.\n";
+    if let Some(engine) = args.choice.engine.as_deref().and_then(LutEngine::from_name) {
+        let _ = writeln!(out, "For the DFG table of {engine}: ltcforge fit dfg, and export its table --for {engine}.");
     }
     out
 }

@@ -20,7 +20,7 @@ use ltcforge_files::{
     replace::replace_pair,
 };
 use ltcforge_fit::albedo::{LutError, LutPlan, LutRecipe, LutReport, MeasuredLut, fit_lut};
-use ltcforge_textures::{Bundle, LutExport};
+use ltcforge_textures::{Bundle, LutExport, PNG};
 
 /// Computes a lookup table, and writes the table and its manifest.
 pub(super) fn fit(
@@ -145,6 +145,7 @@ pub(super) fn export(
     }
     let (engine, container) = match export {
         LutExport::Engine(engine) => (Some(engine), None),
+        LutExport::Png => (None, Some(PNG)),
         LutExport::Textures { container, .. } => (None, Some(container.name())),
     };
     let value = json!({

@@ -135,7 +135,7 @@ impl Measured {
 pub(super) fn asked_by(choice: &ExportChoice, to: &Path) -> Result<ExportPin, CommandFailure> {
     let ExportChoice { engine, layout, container, precision } = &choice.checked()?;
     Ok(ExportPin {
-        engine: engine.map(|engine| engine.name().to_owned()),
+        engine: engine.clone(),
         layout: layout.clone(),
         container: container.clone(),
         precision: precision.map(|precision| precision.name().to_owned()),

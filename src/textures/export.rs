@@ -3,7 +3,7 @@
 use std::{fmt, str::FromStr};
 
 use super::{
-    About, Bundle, CompactContainer, CompactFileError, Engine, NoTextures, TextureContainer, TextureFile,
+    About, Bundle, CompactContainer, CompactFileError, Engine, LutExport, NoTextures, TextureContainer, TextureFile,
     TextureFileError, TextureLayout, recipe::recipe_like, rounding::RoundingError, sampling_of,
 };
 use ltcforge_files::compact::{COMPACT_MAGIC, encode_lobes};
@@ -31,6 +31,8 @@ pub enum Export {
     },
     /// The table in its compact form.
     Compact(CompactContainer),
+    /// The files of a lookup table.
+    Lut(LutExport),
 }
 
 /// The name is not an export.
@@ -75,6 +77,11 @@ pub enum ExportError {
         /// The position of the first singular entry.
         place: String,
     },
+    /// The export is for lookup tables.
+    #[error(
+        "{0} is an export of lookup tables, and this is a table for area lights; fit the recipe dfg, and export its table"
+    )]
+    LookupTable(LutExport),
     /// The table has no compact form of this kind.
     #[error(transparent)]
     Compact(#[from] CompactFileError),
@@ -88,13 +95,15 @@ impl ExportError {
             Self::Textures(NoTextures::OtherLayout { recipe, .. } | NoTextures::Lacking { recipe, .. })
             | Self::Sizes { recipe, .. }
             | Self::Compact(CompactFileError::Layout { recipe, .. }) => Some(recipe),
-            Self::Textures(_) | Self::Files(_) | Self::Singular { .. } | Self::Compact(_) => None,
+            Self::Textures(_) | Self::Files(_) | Self::Singular { .. } | Self::Compact(_) | Self::LookupTable(_) => {
+                None
+            }
         }
     }
 }
 
 impl Export {
-    /// All exports: first engines, then textures, then compact forms.
+    /// All exports of tables for area lights: first engines, then textures, then compact forms.
     pub fn all() -> impl Iterator<Item = Self> {
         let textures = TextureLayout::ALL.iter().flat_map(|&layout| {
             TextureContainer::ALL.iter().flat_map(move |&container| {
@@ -121,6 +130,7 @@ impl Export {
                 container.check(table)?;
                 Ok(table.layout.name())
             }
+            Self::Lut(export) => Err(ExportError::LookupTable(export)),
         }
     }
 
@@ -157,6 +167,7 @@ impl Export {
                 let forms = encode_lobes(table).map_err(CompactFileError::Form)?;
                 Self::compact_bundle(container, forms.into_iter().map(|encoded| encoded.bytes).collect(), &about)
             }
+            Self::Lut(export) => Err(ExportError::LookupTable(export)),
         }
     }
 
@@ -190,6 +201,7 @@ impl Export {
                 bundle
             }
             Self::Compact(container) => Self::compact_bundle(container, lobes(COMPACT_MAGIC.to_vec()), &about)?,
+            Self::Lut(export) => return Err(ExportError::LookupTable(export)),
         };
         Ok(bundle.files)
     }
@@ -278,6 +290,7 @@ impl fmt::Display for Export {
                 write!(f, "{}.{}.{}", layout.name(), container.name(), precision.name())
             }
             Self::Compact(container) => f.write_str(container.name()),
+            Self::Lut(export) => export.fmt(f),
         }
     }
 }
@@ -295,7 +308,8 @@ impl FromStr for Export {
         };
         let engine = Engine::from_name(text).map(Self::Engine);
         let compact = || CompactContainer::from_name(text).map(Self::Compact);
-        engine.or_else(compact).or_else(textures).ok_or_else(|| UnknownExport(text.to_owned()))
+        let lut = || text.parse().ok().map(Self::Lut);
+        engine.or_else(compact).or_else(textures).or_else(lut).ok_or_else(|| UnknownExport(text.to_owned()))
     }
 }
 

@@ -38,6 +38,6 @@ pub use light::{
     LightTextureFiles, LightTextureOptions, MOST_PIXELS, PROFILE_FORMAT, PictureFormat, Primaries, Profile,
     ProfileError, TransferFunction, is_light_texture, light_texture, light_texture_files,
 };
-pub use lut::{LutExport, LutExportError};
+pub use lut::{LutEngine, LutExport, LutExportError, PNG};
 pub use rounding::{Rounded, RoundingError, round};
 pub use texture::{Texture, TextureError};

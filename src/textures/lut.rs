@@ -1,39 +1,28 @@
 //! Lookup tables as files of engines and as textures.
 
-use std::{
-    fmt::{self, Write as _},
-    ops::ControlFlow::Continue,
-    str::FromStr,
-};
+mod engines;
 
+use std::{fmt, ops::ControlFlow::Continue, str::FromStr};
+
+pub use self::engines::LutEngine;
 use super::{
-    About, Bundle, Engine, TextureContainer, TextureFileError,
-    containers::{Stored, ktx2, numbers, stored},
-    engines::file,
-    export::MANIFEST_KEY,
-    texture::Texture,
+    About, Bundle, Engine, TextureContainer, TextureFileError, containers::Stored, containers::stored, engines::file,
+    export::MANIFEST_KEY, rounding::RoundingError, texture::Texture,
 };
 use ltcforge_files::{container::LutFile, digest::Digest, recipe_document};
 use ltcforge_fit::{
     Precision,
-    albedo::{
-        CosineAxis, DfgForm, Lut, LutAxes, LutKind, LutPlan, LutRecipe, LutReport, MeasuredLut, RoughnessAxis, Texels,
-        fit_lut,
-    },
+    albedo::{Lut, LutAxes, LutKind, LutPlan, LutPrecision, LutRecipe, MeasuredLut, Texels, fit_lut},
 };
 
-/// The engines that load a `dfg` table.
-const ENGINES: [Engine; 2] = [Engine::Three, Engine::Bevy];
-/// Both engines read scale and bias at perceptual roughness and cosine, without a correction for texel centres.
-const AXES: LutAxes =
-    LutAxes { roughness: RoughnessAxis::Perceptual, cos_theta: CosineAxis::Cosine, texels: Texels::Centres };
-
-/// A set of files that can be made from a lookup table: an engine, or a container and a precision with a dot between,
-/// such as `ktx2.f16`. Without a precision it is f32.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// A set of files that can be made from a lookup table: an engine, `png`, or a container and a precision with a dot
+/// between, such as `ktx2.f16`. Without a precision it is f32.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum LutExport {
     /// The files of an engine.
-    Engine(Engine),
+    Engine(LutEngine),
+    /// Pictures with the parameters of the table: 8 bits for precision `rgba8`, otherwise 16.
+    Png,
     /// Textures with the parameters of the table.
     Textures {
         /// The format of the files.
@@ -43,24 +32,34 @@ pub enum LutExport {
     },
 }
 
+/// The name of the export of pictures.
+pub const PNG: &str = "png";
+
 /// The lookup table does not have these files.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum LutExportError {
     /// The engine has no lookup table of this kind.
-    #[error(
-        "{engine} loads no file of table {table}; engines that load a dfg table: {}; other formats: {}",
-        listed(&ENGINES), listed(TextureContainer::ALL)
-    )]
+    #[error("{engine} loads no file of table {table}; engines that load such a table: {}; other formats: {}", of_kind(*table), formats())]
     Engine {
         /// The engine.
-        engine: Engine,
+        engine: LutEngine,
         /// The kind of the table.
         table: LutKind,
+    },
+    /// The engine has no lookup tables.
+    #[error(
+        "{engine} computes these values in its shaders and loads no lookup table; engines that do: {}; other formats: {}",
+        listed(LutEngine::ALL),
+        formats()
+    )]
+    NoTable {
+        /// The engine.
+        engine: Engine,
     },
     /// The name is not an export of lookup tables.
     #[error(
         "«{}» is not an export of a lookup table; allowed: {}, or container.precision, such as ktx2.f16, with containers {}",
-        .0.escape_debug(), listed(&ENGINES), listed(TextureContainer::ALL)
+        .0.escape_debug(), listed(LutEngine::ALL), formats()
     )]
     Unknown(String),
     /// The format cannot store the texture.
@@ -72,10 +71,21 @@ fn listed<T: fmt::Display>(all: &[T]) -> String {
     all.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
 }
 
+fn formats() -> String {
+    format!("{PNG}, {}", listed(TextureContainer::ALL))
+}
+
+/// The engines that load tables of a kind.
+fn of_kind(table: LutKind) -> String {
+    let engines: Vec<_> = LutEngine::ALL.iter().copied().filter(|engine| engine.loads(table)).collect();
+    if engines.is_empty() { "none".to_owned() } else { listed(&engines) }
+}
+
 impl fmt::Display for LutExport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Engine(engine) => f.write_str(engine.name()),
+            Self::Png => f.write_str(PNG),
             Self::Textures { container, precision } => write!(f, "{container}.{precision}"),
         }
     }
@@ -85,25 +95,33 @@ impl FromStr for LutExport {
     type Err = LutExportError;
 
     fn from_str(text: &str) -> Result<Self, LutExportError> {
+        if let Some(engine) = LutEngine::from_name(text) {
+            return Ok(Self::Engine(engine));
+        }
+        if let Some(engine) = Engine::from_name(text) {
+            return Err(LutExportError::NoTable { engine });
+        }
+        if text == PNG {
+            return Ok(Self::Png);
+        }
         let textures = || {
             let (container, precision) = text.split_once('.').unwrap_or((text, Precision::F32.name()));
             let container = TextureContainer::from_name(container)?;
             Some(Self::Textures { container, precision: Precision::from_name(precision)? })
         };
-        let engine = Engine::from_name(text).map(Self::Engine);
-        engine.or_else(textures).ok_or_else(|| LutExportError::Unknown(text.to_owned()))
+        textures().ok_or_else(|| LutExportError::Unknown(text.to_owned()))
     }
 }
 
 impl LutExport {
     /// The exports of a table.
     pub fn all(recipe: &LutRecipe) -> impl Iterator<Item = Self> {
-        let engines = ENGINES.into_iter().map(Self::Engine);
+        let engines = LutEngine::ALL.iter().map(|&engine| Self::Engine(engine));
         let textures = TextureContainer::ALL.iter().flat_map(|&container| {
             Precision::ALL.iter().map(move |&precision| Self::Textures { container, precision })
         });
         let recipe = *recipe;
-        engines.chain(textures).filter(move |export| export.recipe(&recipe).is_ok())
+        engines.chain([Self::Png]).chain(textures).filter(move |export| export.recipe(&recipe).is_ok())
     }
 
     /// The recipe of the table in the files: the table itself, or the same values with the engine's parameters.
@@ -112,11 +130,8 @@ impl LutExport {
     /// The engine has no such table.
     pub fn recipe(self, recipe: &LutRecipe) -> Result<LutRecipe, LutExportError> {
         match self {
-            Self::Engine(engine) if ENGINES.contains(&engine) && recipe.table == LutKind::Dfg => {
-                Ok(LutRecipe { axes: AXES, form: Some(DfgForm::Karis), precision: Precision::F16, ..*recipe })
-            }
-            Self::Engine(engine) => Err(LutExportError::Engine { engine, table: recipe.table }),
-            Self::Textures { .. } => Ok(*recipe),
+            Self::Engine(engine) => engine.recipe(recipe).ok_or(LutExportError::Engine { engine, table: recipe.table }),
+            Self::Png | Self::Textures { .. } => Ok(*recipe),
         }
     }
 
@@ -127,76 +142,28 @@ impl LutExport {
     /// The engine has no such table, or the format cannot store it.
     pub fn bundle(self, of: &LutFile, digest: Digest) -> Result<Bundle, LutExportError> {
         let recipe = self.recipe(&of.recipe)?;
-        let other = if recipe == of.recipe { None } else { fit_lut(&LutPlan::new(&recipe), &|_| Continue(())) };
-        let file = LutFile { recipe, lut: other.unwrap_or_else(|| of.lut.clone()) };
-        let report = MeasuredLut::new(&recipe).report(&file.lut);
-        bundle(self, &file, digest, recipe_document::canonical_json(&of.recipe), &report)
+        let lut = if recipe == of.recipe { of.lut.clone() } else { fitted(&recipe) };
+        let error = MeasuredLut::new(&recipe).report(&lut).stored;
+        let size = recipe.resolution;
+        let error = format!(
+            "{} x {} texels; error after linear filtering: mean {:.5}, p95 {:.5}, max {:.5}",
+            size.roughness, size.cos_theta, error.mean, error.p95, error.max
+        );
+        let about = About::of_lut(digest, recipe_document::canonical_json(&of.recipe), error);
+        let (key, bundle) = match self {
+            Self::Engine(engine) => ("for", engine.bundle(&recipe, lut, &about)?),
+            Self::Png => (MANIFEST_KEY, pictures(&recipe, &lut)?),
+            Self::Textures { container, precision } => {
+                (MANIFEST_KEY, plain(container, precision, &recipe, &lut, &about)?)
+            }
+        };
+        Ok(bundle.with_manifest(key, &self.to_string(), &about))
     }
 }
 
-/// The files of a lookup table that has the parameters of the export.
-fn bundle(
-    export: LutExport,
-    of: &LutFile,
-    source: Digest,
-    document: String,
-    report: &LutReport,
-) -> Result<Bundle, LutExportError> {
-    let LutFile { recipe, lut } = of;
-    let error = &report.stored;
-    let error = format!(
-        "{} x {} texels; error after linear filtering, alpha from .002, cosine from .01: mean {:.5}, p95 {:.5}, max {:.5}",
-        recipe.resolution.roughness, recipe.resolution.cos_theta, error.mean, error.p95, error.max
-    );
-    let about = About::of_lut(source, document, error);
-    let bundle = match export {
-        LutExport::Engine(Engine::Three) => three(recipe, lut, &about)?,
-        LutExport::Engine(_) => {
-            let texture = texture("dfg", recipe, lut)?;
-            let stored = one(&texture, Precision::F16)?;
-            let steps = [
-                "Built in: replace crates/bevy_pbr/src/environment_map/dfg.ktx2 in Bevy's sources (feature dfg_lut).",
-                "At run time: insert the handle of dfg.ktx2 as DfgLut { texture } into the render world.",
-                "The table for area lights is ltc.ktx2: ltcforge export LTC_TABLE --for bevy.",
-            ];
-            let files = vec![file("dfg.ktx2", ktx2(&stored, true, &about)?, &[&stored])];
-            Bundle { files, steps: steps.map(str::to_owned).into() }
-        }
-        LutExport::Textures { container, precision } => plain(container, precision, recipe, lut, &about)?,
-    };
-    let key = if matches!(export, LutExport::Engine(_)) { "for" } else { MANIFEST_KEY };
-    Ok(bundle.with_manifest(key, &export.to_string(), &about))
-}
-
-/// three.js 0.185: `src/renderers/shaders/DFGLUTData.js` exports `getDFGLUT`. Roughness is along x, the cosine along y.
-fn three(recipe: &LutRecipe, lut: &Lut, about: &About) -> Result<Bundle, LutExportError> {
-    let (rows, columns) = (recipe.resolution.roughness as usize, recipe.resolution.cos_theta as usize);
-    let swapped = (0..columns).flat_map(|column| (0..rows).map(move |row| 2 * (row * columns + column)));
-    let texels: Vec<f32> = swapped.flat_map(|at| [lut.texels[at], lut.texels[at + 1]]).collect();
-    let size = [recipe.resolution.roughness, recipe.resolution.cos_theta];
-    let texture = Texture::flat("dfg", size, recipe.channels(), texels).map_err(TextureFileError::from)?;
-    let stored = one(&texture, Precision::F16)?;
-    let mut text = about.comment();
-    // Writing to a String cannot fail.
-    let _ = write!(
-        text,
-        "\nimport {{ DataTexture }} from '../../textures/DataTexture.js';\n\
-         import {{ RGFormat, HalfFloatType, LinearFilter, ClampToEdgeWrapping }} from '../../constants.js';\n\n\
-         const DATA = new Uint16Array( [\n{}] );\n\n\
-         let lut = null;\n\n\
-         export function getDFGLUT() {{\n\n\
-         \tif ( lut !== null ) return lut;\n\n\
-         \tlut = new DataTexture( DATA, {rows}, {columns}, RGFormat, HalfFloatType, undefined, ClampToEdgeWrapping, \
-         ClampToEdgeWrapping, LinearFilter, LinearFilter );\n\
-         \tlut.name = 'DFG_LUT';\n\tlut.generateMipmaps = false;\n\tlut.needsUpdate = true;\n\treturn lut;\n\n}}\n",
-        numbers(&stored, |x| x.to_string())
-    );
-    let steps = [
-        "Replace src/renderers/shaders/DFGLUTData.js in three.js's sources (0.185), and build it.",
-        "The tables for area lights are in ltc.js: ltcforge export LTC_TABLE --for three.",
-    ];
-    let files = vec![file("DFGLUTData.js", text.into_bytes(), &[&stored])];
-    Ok(Bundle { files, steps: steps.map(str::to_owned).into() })
+fn fitted(recipe: &LutRecipe) -> Lut {
+    // Nothing stops it.
+    fit_lut(&LutPlan::new(recipe), &|_| Continue(())).unwrap_or(Lut { texels: vec![], average: None })
 }
 
 /// Textures in any format: the cosine along x, roughness along y, smooth surfaces first.
@@ -208,22 +175,53 @@ fn plain(
     about: &About,
 ) -> Result<Bundle, LutExportError> {
     let name = recipe.table.name();
-    let mut textures = vec![texture(name, recipe, lut)?];
+    let mut files = container.files(name, &[texture(name, recipe, lut)?], precision, about)?;
     if let Some(average) = &lut.average {
+        // Halves near one are too coarse for the average.
         let size = [recipe.resolution.roughness, 1];
-        textures.push(Texture::flat("average", size, &["average"], average.clone()).map_err(TextureFileError::from)?);
+        let average = Texture::flat("average", size, &["average"], average.clone()).map_err(TextureFileError::from)?;
+        files.extend(container.files("average", &[average], Precision::F32, about)?);
     }
-    let files = container.files(name, &textures, precision, about)?;
+    Ok(Bundle { files, steps: sampling(recipe).into() })
+}
+
+/// Pictures of 8 or 16 bits: red, green and blue are the channels. The average of an albedo is a file of 32-bit numbers.
+fn pictures(recipe: &LutRecipe, lut: &Lut) -> Result<Bundle, LutExportError> {
+    let name = recipe.table.name();
+    let channels = recipe.channels().len();
+    let texel = |texel: &[f32]| [0, 1, 2].map(|i| texel.get(i).copied().unwrap_or(0.0));
+    let rgb: Vec<f32> = lut.texels.chunks(channels).flat_map(texel).collect();
+    let bytes: Vec<u8> = match recipe.precision {
+        LutPrecision::Rgba8 => rgb.iter().map(|x| (x.clamp(0.0, 1.0) * 255.0).round() as u8).collect(),
+        _ => rgb.iter().flat_map(|x| ((x.clamp(0.0, 1.0) * 65_535.0).round() as u16).to_be_bytes()).collect(),
+    };
+    let depth = if recipe.precision == LutPrecision::Rgba8 { png::BitDepth::Eight } else { png::BitDepth::Sixteen };
+    let size = [recipe.resolution.cos_theta, recipe.resolution.roughness];
+    let mut files = vec![unrounded(&format!("{name}.png"), engines::png(size, png::ColorType::Rgb, depth, &bytes))];
+    if let Some(average) = &lut.average {
+        files.push(unrounded("average.bin", average.iter().flat_map(|x| x.to_le_bytes()).collect()));
+    }
+    let mut steps: Vec<String> = sampling(recipe).into();
+    steps.push("The numbers are linear, from 0 to 1: load the picture without a colour space.".to_owned());
+    Ok(Bundle { files, steps })
+}
+
+fn unrounded(path: &str, bytes: Vec<u8>) -> super::TextureFile {
+    super::TextureFile { path: path.to_owned(), bytes, rounding: RoundingError::default() }
+}
+
+/// How to sample a table with its own parameters.
+fn sampling(recipe: &LutRecipe) -> [String; 2] {
     let LutAxes { roughness, cos_theta, texels } = recipe.axes;
-    let mut steps = vec![format!("The axis x is the view ({cos_theta}), y is roughness ({roughness}), from 0 up.")];
-    steps.push(match texels {
+    let axes = format!("The axis x is the view ({cos_theta}), y is roughness ({roughness}), from 0 up.");
+    let texels = match texels {
         Texels::Centres => "Sample at the parameters themselves, with linear filtering and clamped edges.".to_owned(),
         Texels::Corners => {
             "Sample at (parameter * (n - 1) + 0.5) / n for n texels, with linear filtering and clamped edges."
                 .to_owned()
         }
-    });
-    Ok(Bundle { files, steps })
+    };
+    [axes, texels]
 }
 
 fn texture(name: &str, recipe: &LutRecipe, lut: &Lut) -> Result<Texture, LutExportError> {

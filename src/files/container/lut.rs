@@ -2,16 +2,19 @@
 //!
 //! | tensor | type | shape |
 //! |---|---|---|
-//! | `texels` | f32, or f16 if it is the recipe's precision | roughness, cos_theta, channels |
+//! | `texels` | f32, f16, u16 or u8, by the recipe's precision | roughness, cos_theta, channels |
 //! | `average` (table `albedo`) | f32 | roughness |
 
-use safetensors::{SafeTensors, serialize};
+use safetensors::{Dtype, SafeTensors, serialize};
 
-use super::safetensors::{RECIPE_KEY, TableFile, TableFileError, decode, finite, tensor};
-use crate::recipe_document::{self, AnyRecipe};
+use super::safetensors::{RECIPE_KEY, TableFile, TableFileError, decode, finite, numbers, tensor};
+use crate::{
+    recipe_document::{self, AnyRecipe},
+    tensor::Tensor,
+};
 use ltcforge_fit::{
     Precision,
-    albedo::{Lut, LutKind, LutRecipe},
+    albedo::{Lut, LutKind, LutPrecision, LutRecipe},
 };
 
 /// A decoded file of a lookup table.
@@ -49,7 +52,7 @@ impl AnyFile {
 /// The container cannot be written.
 pub fn encode_lut(recipe: &LutRecipe, lut: &Lut) -> Result<Vec<u8>, TableFileError> {
     let shape = shape(recipe);
-    let mut tensors = vec![("texels".to_owned(), tensor(recipe.precision, &shape, &lut.texels))];
+    let mut tensors = vec![("texels".to_owned(), texels(recipe, &lut.texels))];
     tensors.extend(
         lut.average.as_ref().map(|average| ("average".to_owned(), tensor(Precision::F32, &shape[..1], average))),
     );
@@ -60,6 +63,40 @@ pub fn encode_lut(recipe: &LutRecipe, lut: &Lut) -> Result<Vec<u8>, TableFileErr
 
 fn shape(recipe: &LutRecipe) -> [usize; 3] {
     [recipe.resolution.roughness as usize, recipe.resolution.cos_theta as usize, recipe.channels().len()]
+}
+
+/// The tensor of a table's texels. Integers are steps from 0 to 1.
+fn texels(recipe: &LutRecipe, texels: &[f32]) -> Tensor {
+    let shape = shape(recipe);
+    let integer = |x: f32| (x * f32::from(recipe.precision.steps().unwrap_or(1))).round() as u16;
+    match recipe.precision {
+        LutPrecision::F32 => tensor(Precision::F32, &shape, texels),
+        LutPrecision::F16 => tensor(Precision::F16, &shape, texels),
+        LutPrecision::Unorm16 => {
+            let bytes = texels.iter().flat_map(|x| integer(*x).to_le_bytes()).collect();
+            Tensor { dtype: Dtype::U16, shape: shape.to_vec(), bytes }
+        }
+        LutPrecision::Rgba8 => {
+            let bytes = texels.iter().map(|x| integer(*x) as u8).collect();
+            Tensor { dtype: Dtype::U8, shape: shape.to_vec(), bytes }
+        }
+    }
+}
+
+fn read_texels(file: &SafeTensors, recipe: &LutRecipe) -> Result<Vec<f32>, TableFileError> {
+    let shape = shape(recipe);
+    let step = f64::from(recipe.precision.steps().unwrap_or(1));
+    let fraction = |integer: u16| (f64::from(integer) / step) as f32;
+    match recipe.precision {
+        LutPrecision::F32 => finite(file, "texels", Precision::F32, &shape),
+        LutPrecision::F16 => finite(file, "texels", Precision::F16, &shape),
+        LutPrecision::Unorm16 => {
+            Ok(numbers::<2>(file, "texels", Dtype::U16, &shape)?.map(|x| fraction(u16::from_le_bytes(x))).collect())
+        }
+        LutPrecision::Rgba8 => {
+            Ok(numbers::<1>(file, "texels", Dtype::U8, &shape)?.map(|[x]| fraction(u16::from(x))).collect())
+        }
+    }
 }
 
 /// Reads a canonical file of either kind. Hostile bytes give an error, never a panic.
@@ -76,7 +113,7 @@ pub fn decode_any(bytes: &[u8]) -> Result<AnyFile, TableFileError> {
     let shape = shape(&recipe);
     let average = || finite(&file, "average", Precision::F32, &shape[..1]);
     let average = (recipe.table == LutKind::Albedo).then(average).transpose()?;
-    let lut = Lut { texels: finite(&file, "texels", recipe.precision, &shape)?, average };
+    let lut = Lut { texels: read_texels(&file, &recipe)?, average };
     if encode_lut(&recipe, &lut)? != bytes {
         return Err(TableFileError::NotCanonical);
     }
@@ -98,7 +135,7 @@ mod tests {
 
     #[test]
     fn lookup_tables_round_trip_and_damaged_files_are_refused() {
-        for precision in ["f32", "f16"] {
+        for precision in ["f32", "f16", "unorm16", "rgba8"] {
             let document = format!(
                 r#"{{"table": "albedo", "resolution": {{"roughness": 3, "cos_theta": 2}}, "precision": "{precision}"}}"#
             );
@@ -112,7 +149,7 @@ mod tests {
             let last = other.len() - 1;
             other[last] = 0xff;
             other[last - 1] = 0xff;
-            assert!(decode_any(&other).is_err(), "not a number");
+            assert!(recipe.precision.steps().is_some() || decode_any(&other).is_err(), "not a number");
         }
     }
 
@@ -123,7 +160,7 @@ mod tests {
             (r#"{"table": "brdf"}"#, ["/table", "\"ltc\", \"dfg\", \"albedo\", \"sheen\", \"diffuse\""]),
             (r#"{"table": "sheen", "brdf": "ggx"}"#, ["/brdf", "\"charlie\", \"charlie_neubelt\", \"fuzz\""]),
             (r#"{"table": "albedo", "form": "karis"}"#, ["/form", "no forms"]),
-            (r#"{"table": "dfg", "form": "hill"}"#, ["/form", "\"karis\", \"filament\""]),
+            (r#"{"table": "dfg", "form": "hill"}"#, ["/form", "\"karis\", \"filament\", \"f82\""]),
             (r#"{"preset": "dfg", "resolution": {"roughness": 1}}"#, ["/resolution/roughness", "2 to 1024"]),
             (r#"{"table": "dfg", "layout": "ltc2017"}"#, ["/layout", "unknown field"]),
         ] {

@@ -212,7 +212,7 @@ pub fn decode(bytes: &[u8]) -> Result<TableFile, TableFileError> {
 }
 
 /// The elements of a tensor with this type and shape, as little-endian bytes.
-fn numbers<'a, const BYTES: usize>(
+pub(super) fn numbers<'a, const BYTES: usize>(
     file: &SafeTensors<'a>,
     name: &str,
     dtype: Dtype,

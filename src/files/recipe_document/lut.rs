@@ -10,8 +10,8 @@ use super::{
     reader::{Faults, Object, echo},
 };
 use ltcforge_fit::{
-    BrdfKind, Precision,
-    albedo::{CosineAxis, DfgForm, LutAxes, LutKind, LutRecipe, LutResolution, RoughnessAxis, Texels},
+    BrdfKind,
+    albedo::{CosineAxis, DfgForm, LutAxes, LutKind, LutPrecision, LutRecipe, LutResolution, RoughnessAxis, Texels},
 };
 
 const FIELDS: [&str; 8] = ["preset", "fitter", "table", "brdf", "form", "resolution", "axes", "precision"];
@@ -77,7 +77,8 @@ pub(super) fn read(
         ),
         texels: object.choice("texels", &named(Texels::ALL, Texels::name), Texels::ALL[0], &mut faults),
     };
-    let precision = root.choice("precision", &named(Precision::ALL, Precision::name), Precision::ALL[0], &mut faults);
+    let precision =
+        root.choice("precision", &named(LutPrecision::ALL, LutPrecision::name), LutPrecision::ALL[0], &mut faults);
     let fitter = read_fitter(&root, fitters, &mut faults);
     let recipe = LutRecipe { fitter, table: kind, brdf, form, resolution, axes, precision };
     if recipe.entries() > entry_limit {

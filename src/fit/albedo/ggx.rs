@@ -1,4 +1,4 @@
-//! The directional albedo of GGX with height-correlated Smith masking, and its part weighted by Schlick's fifth power.
+//! The directional albedo of GGX with height-correlated Smith masking, and its parts weighted by powers of Fresnel terms.
 
 use std::{f64::consts::PI, sync::LazyLock};
 
@@ -28,21 +28,21 @@ fn slopes(alpha: f64, end: f64) -> usize {
     (2.5 + 5.0 * end).min(most).ceil() as usize
 }
 
-/// Albedo, and albedo weighted by `(1 - wo . wm)^5`, for a Fresnel factor of one. Domain: alpha in [1e-4, 1], cosine in
-/// [1e-3, 1].
+/// Albedo for a Fresnel factor of one, and albedo weighted by `(1 - x)^5` and by `x (1 - x)^6` with `x = wo . wm`. Domain:
+/// alpha in [1e-4, 1], cosine in [1e-3, 1].
 ///
 /// The integral runs over the slope of the normal, in polar coordinates `r`, `phi` around the normal of the surface.
 /// With `t = tan(theta_o)`, the light is above the horizon for `r < R(phi)`, where `R` solves `r^2 - 2 t r cos(phi) = 1`.
 /// So `R = e^y` with `sinh(y) = t cos(phi)`. The variables are `psi` with `y = asinh(t) cos(psi)`, in which the
 /// midpoint rule converges exponentially, and `x` with `r = alpha sinh(x)`, in which the density of slopes is
 /// `2 sinh(x) / cosh(x)^3`. Longer intervals need more nodes.
-pub(super) fn ggx(alpha: f64, cosine: f64) -> [f64; 2] {
+pub(super) fn ggx(alpha: f64, cosine: f64) -> [f64; 3] {
     let cosine = cosine.min(1.0 - 1e-12);
     let (alpha2, tangent) = (alpha * alpha, (1.0 - cosine * cosine).sqrt() / cosine);
     let view = (1.0 + alpha2 * tangent * tangent).sqrt();
     let widest = ln(tangent + (1.0 + tangent * tangent).sqrt());
     let cosines = &COSINES[azimuths(widest)];
-    let mut sum = [0.0; 2];
+    let mut sum = [0.0; 3];
     for cos_psi in cosines {
         let reach = exp(widest * cos_psi);
         let lowest = 1.0 / reach;
@@ -54,7 +54,7 @@ pub(super) fn ggx(alpha: f64, cosine: f64) -> [f64; 2] {
         let length = ln(end);
         let inverse = 1.0 / end;
         // The integrand at `x`, for `e^x` and `e^-x`.
-        let at = |grown: f64, shrunk: f64| -> [f64; 2] {
+        let at = |grown: f64, shrunk: f64| -> [f64; 3] {
             let (sinh, cosh) = (0.5 * (grown - shrunk), 0.5 * (grown + shrunk));
             let r = alpha * sinh;
             let normal = 1.0 / (1.0 + r * r).sqrt();
@@ -64,17 +64,19 @@ pub(super) fn ggx(alpha: f64, cosine: f64) -> [f64; 2] {
             // `wo . wm` is `cosine (1 + t r cos(phi))`, divided by the length of the normal.
             let facing = 1.0 + r * slope;
             let weight = 4.0 * sinh * facing * z / (cosh * cosh * cosh * (z * view + light));
-            let grazing = (1.0 - cosine * facing * normal).max(0.0);
+            let incident = cosine * facing * normal;
+            let grazing = (1.0 - incident).max(0.0);
             let grazing2 = grazing * grazing;
-            [weight, weight * grazing2 * grazing2 * grazing]
+            let fifth = weight * grazing2 * grazing2 * grazing;
+            [weight, fifth, fifth * grazing * incident]
         };
-        let mut part = [0.0; 2];
+        let mut part = [0.0; 3];
         // Nodes are symmetric, so one exponential serves two.
         let nodes = RULES[slopes(alpha, length)].nodes();
         for (i, [x, weight]) in nodes[..nodes.len().div_ceil(2)].iter().enumerate() {
             let grown = exp(length * x);
             let shrunk = 1.0 / grown;
-            let mut add = |values: [f64; 2]| part.iter_mut().zip(values).for_each(|(sum, x)| *sum += weight * x);
+            let mut add = |values: [f64; 3]| part.iter_mut().zip(values).for_each(|(sum, x)| *sum += weight * x);
             add(at(grown, shrunk));
             if 2 * i + 1 != nodes.len() {
                 add(at(end * shrunk, inverse * grown));

@@ -16,6 +16,6 @@ mod solve;
 mod tests;
 
 pub use axes::{CosineAxis, LutAxes, RoughnessAxis, Texels};
-pub use recipe::{DfgForm, LutKind, LutRecipe, LutResolution};
-pub use report::{LutError, LutReport, MeasuredLut, StoredAs};
+pub use recipe::{DfgForm, LutKind, LutPrecision, LutRecipe, LutResolution};
+pub use report::{LutError, LutReport, MeasuredLut};
 pub use rows::{Lut, LutPlan, fit_lut};

@@ -10,12 +10,7 @@ use super::{
     recipe::{LutKind, LutRecipe},
     solve::solve,
 };
-use crate::{
-    layout::Precision,
-    math::{from_half_bits, half_bits_f64},
-    run::Progress,
-    shard::ShardBytesError,
-};
+use crate::{brdf::BrdfKind, run::Progress, shard::ShardBytesError};
 
 /// A recipe and the places at which its values are computed.
 #[derive(Debug, Clone)]
@@ -41,7 +36,12 @@ impl LutPlan {
     pub fn new(recipe: &LutRecipe) -> Self {
         let grid = recipe.grid();
         let most = grid.iter().map(|(_, texels)| *texels).max().unwrap_or(1);
-        let per_texel = FEWEST * (128 / most).clamp(1, 4);
+        let per_texel = if recipe.brdf == BrdfKind::Ggx {
+            FEWEST * (128 / most).clamp(1, 4)
+        } else {
+            // These values take about twenty times as long.
+            (128 / most).clamp(1, 8)
+        };
         let places = grid.iter().map(|(parameter, texels)| parameter.places(recipe.axes.texels, *texels, per_texel));
         Self { recipe: *recipe, places: places.collect() }
     }
@@ -50,6 +50,11 @@ impl LutPlan {
     #[must_use]
     pub fn recipe(&self) -> &LutRecipe {
         &self.recipe
+    }
+
+    /// The number of places at which values are computed.
+    pub(super) fn places(&self) -> usize {
+        self.places.iter().map(Vec::len).product()
     }
 
     /// The number of shards, which are rows of texels with the same roughness.
@@ -109,12 +114,12 @@ impl LutPlan {
             .map(|((parameter, texels), places)| Axis::new(*parameter, recipe.axes.texels, *texels, places))
             .collect();
         // A surface that reflects more than all light has no lost energy to return.
-        let is_bounded = recipe.table == LutKind::Albedo;
+        let is_bounded = recipe.table == LutKind::Albedo || recipe.precision.steps().is_some();
         let truth = |channel: usize| -> Vec<f64> { values.iter().skip(channel).step_by(channels).copied().collect() };
         let solved: Vec<Vec<f64>> =
             (0..channels).into_par_iter().map(|channel| solve(&axes, &truth(channel), is_bounded)).collect();
         let texels = (0..solved[0].len()).flat_map(|texel| solved.iter().map(move |channel| channel[texel]));
-        let texels: Vec<f32> = texels.map(|x| round(recipe.precision, x)).collect();
+        let texels: Vec<f32> = texels.map(|x| recipe.precision.round(x)).collect();
         let average = (recipe.table == LutKind::Albedo).then(|| {
             let rows = texels.chunks(recipe.resolution.cos_theta as usize);
             rows.map(|row| average(recipe, row) as f32).collect()
@@ -138,14 +143,6 @@ fn average(recipe: &LutRecipe, row: &[f32]) -> f64 {
         part
     };
     (0..steps).map(part).sum()
-}
-
-/// The nearest number of a precision.
-pub(super) fn round(precision: Precision, x: f64) -> f32 {
-    match precision {
-        Precision::F32 => x as f32,
-        Precision::F16 => from_half_bits(half_bits_f64(x)),
-    }
 }
 
 /// Computes a whole table on the current rayon pool. Returns `None` if `progress` stops it.

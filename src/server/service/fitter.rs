@@ -18,7 +18,7 @@ use ltcforge_files::{
 };
 use ltcforge_fit::albedo::{LutPlan, MeasuredLut};
 use ltcforge_fit::{self as fit, BrdfModel, Expectation, FITTER_VERSION, GoOn, Plan, Recipe, Solver, TabulatedFile};
-use ltcforge_textures::{About, Bundle, Export, LutExport, LutExportError};
+use ltcforge_textures::{About, Bundle, Export, LutExport};
 
 /// Number of plans that are kept in memory, because workers alternate between the shards of several jobs.
 const PLANS: usize = 64;
@@ -261,9 +261,7 @@ impl Fitter {
     /// The exports that the layout of a table allows.
     pub(super) fn exports(&self, digest: Digest, file: &[u8]) -> Result<Vec<Export>, ExportFailure> {
         if let Ok(AnyFile::Lut(LutFile { recipe, .. })) = decode_any(file) {
-            return Ok(Export::all()
-                .filter(|export| lut_export(*export).is_some_and(|of| of.recipe(&recipe).is_ok()))
-                .collect());
+            return Ok(LutExport::all(&recipe).map(Export::Lut).collect());
         }
         let table = self.table(digest, file)?.table;
         Ok(Export::all().filter(|export| export.layout(&table).is_ok()).collect())
@@ -278,8 +276,8 @@ impl Fitter {
         export: Export,
     ) -> Result<Bundle, ExportFailure> {
         if let Ok(AnyFile::Lut(of)) = decode_any(file) {
-            let unknown = || LutExportError::Unknown(export.to_string());
-            return Ok(lut_export(export).ok_or_else(unknown)?.bundle(&of, digest)?);
+            // The same engine can have a table of either kind.
+            return Ok(export.to_string().parse::<LutExport>()?.bundle(&of, digest)?);
         }
         let TableFile { table, recipe } = self.table(digest, file)?;
         let entries = table.matrix.len();
@@ -300,9 +298,4 @@ fn assemble_lut(plan: &LutPlan, results: &[Vec<u8>]) -> Result<Vec<u8>, String> 
     let file = encode_lut(plan.recipe(), &plan.assemble(&values)).map_err(|error| error.to_string())?;
     decode_any(&file).map_err(|error| error.to_string())?;
     Ok(file)
-}
-
-/// The export of a lookup table for the same engine.
-fn lut_export(export: Export) -> Option<LutExport> {
-    if let Export::Engine(engine) = export { Some(LutExport::Engine(engine)) } else { None }
 }

@@ -116,7 +116,7 @@ fn every_export_has_a_manifest_of_its_files() {
         // A planted table has no measured error.
         let made = match export {
             Export::Compact(container) => Export::compact_bundle(container, vec![unmeasured(&table)], &about),
-            Export::Engine(_) | Export::Textures { .. } => export.bundle(&table, about),
+            Export::Engine(_) | Export::Textures { .. } | Export::Lut(_) => export.bundle(&table, about),
         };
         let Bundle { files, steps } = made.expect(name);
         let (manifest, others) = files.split_last().expect("files");
@@ -145,7 +145,7 @@ fn the_forms_of_an_export_match_its_files() {
             Export::Compact(container) => Export::compact_bundle(container, vec![unmeasured(table)], &about).ok(),
             // The forms of different layouts differ only in numbers.
             Export::Textures { layout, .. } if layout.sampling().table != table.layout => None,
-            Export::Engine(_) | Export::Textures { .. } => export.bundle(table, about).ok(),
+            Export::Engine(_) | Export::Textures { .. } | Export::Lut(_) => export.bundle(table, about).ok(),
         };
         let Some(Bundle { files, .. }) = made else { continue };
         let forms = export.forms(table).expect("the table has the files");
@@ -303,7 +303,7 @@ fn an_error_names_only_recipes_and_exports_that_work() {
                 Export::Textures { container, precision, .. } => {
                     (*container, *precision) == (TextureContainer::Ktx2, Precision::F32)
                 }
-                Export::Engine(_) | Export::Compact(_) => true,
+                Export::Engine(_) | Export::Compact(_) | Export::Lut(_) => true,
             });
             for export in exports {
                 let Err(error) = export.layout(&table).and_then(|_| export.forms(&table)) else { continue };

@@ -20,7 +20,7 @@ const THREE: [([usize; 2], [u16; 2]); 4] = [
 #[test]
 fn the_array_of_three_has_its_axes_channels_and_format() {
     let of = fitted(r#"{"table": "dfg", "resolution": {"roughness": 16, "cos_theta": 16}}"#);
-    let bundle = LutExport::Engine(Engine::Three).bundle(&of, Digest::of(b"")).expect("files");
+    let bundle = LutExport::Engine(LutEngine::Three).bundle(&of, Digest::of(b"")).expect("files");
     assert_eq!(
         bundle.files.iter().map(|file| file.path.as_str()).collect::<Vec<_>>(),
         ["DFGLUTData.js", "ltcforge.json"]
@@ -42,12 +42,11 @@ fn the_array_of_three_has_its_axes_channels_and_format() {
 #[test]
 fn bevy_gets_a_ktx2_file_with_two_halves_and_the_cosine_along_x() {
     let of = fitted(r#"{"table": "dfg", "resolution": {"roughness": 8, "cos_theta": 16}}"#);
-    let bundle = LutExport::Engine(Engine::Bevy).bundle(&of, Digest::of(b"")).expect("files");
+    let bundle = LutExport::Engine(LutEngine::Bevy).bundle(&of, Digest::of(b"")).expect("files");
     let bytes = &bundle.files[0].bytes;
     let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes"));
     // VK_FORMAT_R16G16_SFLOAT, width, height.
     assert_eq!((bundle.files[0].path.as_str(), word(12), word(20), word(24)), ("dfg.ktx2", 83, 16, 8));
-    assert_eq!(LutExport::Engine(Engine::Bevy).recipe(&of.recipe).expect("a recipe").axes, AXES);
 }
 
 #[test]
@@ -57,13 +56,103 @@ fn an_albedo_table_has_two_textures_and_other_engines_are_refused() {
     let bundle = export.bundle(&of, Digest::of(b"")).expect("files");
     let paths: Vec<&str> = bundle.files.iter().map(|file| file.path.as_str()).collect();
     assert_eq!(paths, ["albedo.npy", "average.npy", "ltcforge.json"]);
-    let refused = LutExport::Engine(Engine::Three).bundle(&of, Digest::of(b"")).expect_err("no such table");
+    let refused = LutExport::Engine(LutEngine::Three).bundle(&of, Digest::of(b"")).expect_err("no such table");
     assert!(
-        refused
-            .to_string()
-            .starts_with("three loads no file of table albedo; engines that load a dfg table: three, bevy"),
+        refused.to_string().starts_with("three loads no file of table albedo; engines that load such a table: none"),
         "{refused}"
     );
     assert!("ktx2.f8".parse::<LutExport>().is_err());
     assert!(LutExport::all(&of.recipe).all(|export| export.to_string().parse() == Ok(export)));
+}
+
+/// Pixels of an 8-bit PNG.
+fn pixels(bytes: &[u8]) -> (u32, Vec<u8>) {
+    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().expect("a PNG");
+    let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
+    let info = reader.next_frame(&mut pixels).expect("pixels");
+    (info.width, pixels)
+}
+
+#[test]
+fn every_engine_gets_its_size_channels_and_format() {
+    let of = fitted(r#"{"table": "dfg", "resolution": {"roughness": 16, "cos_theta": 16}}"#);
+    for (engine, path) in [
+        (LutEngine::Godot, "dfg_lut.dds"),
+        (LutEngine::Filament, "dfg.inc"),
+        (LutEngine::Hdrp, "PreIntegratedFGD_GGXDisneyDiffuse.dds"),
+        (LutEngine::GltfSampleViewer, "lut_ggx.png"),
+        (LutEngine::Blender, "brdf_ggx.inc"),
+    ] {
+        let bundle = LutExport::Engine(engine).bundle(&of, Digest::of(b"")).expect("files");
+        let bytes = &bundle.files[0].bytes;
+        assert_eq!(bundle.files[0].path, path);
+        let text = || std::str::from_utf8(bytes).expect("text");
+        let [total, bias, _] = ltcforge_values(0.25, 0.5);
+        // The numbers of the texel at perceptual roughness 1/2 and cosine 1/2, in the engine's order.
+        let found: Vec<f64> = match engine {
+            LutEngine::Godot => {
+                let half = |i: usize| {
+                    let at = 148 + 8 * (63 * 128 + 64) + 2 * i;
+                    f64::from(half::f16::from_le_bytes([bytes[at], bytes[at + 1]]))
+                };
+                assert_eq!((bytes.len(), half(3)), (148 + 128 * 128 * 8, 1.0));
+                (0..2).map(half).collect()
+            }
+            LutEngine::Filament => {
+                let words: Vec<&str> = text().split(|c: char| !c.is_alphanumeric()).collect();
+                let halves: Vec<u16> =
+                    words.iter().filter_map(|word| u16::from_str_radix(word.strip_prefix("0x")?, 16).ok()).collect();
+                assert_eq!(halves.len(), 128 * 128 * 3);
+                (0..2).map(|i| f64::from(half::f16::from_bits(halves[3 * (64 * 128 + 64) + i]))).collect()
+            }
+            LutEngine::Hdrp => {
+                assert_eq!(bytes.len(), 148 + 64 * 64 * 4);
+                // The texel nearest to the root of 1/2.
+                let at = 148 + 4 * (32 * 64 + 45);
+                let word = u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes"));
+                assert_eq!(word >> 30, 3);
+                (0..2).map(|i| f64::from(word >> (10 * i) & 1023) / 1023.0).collect()
+            }
+            LutEngine::GltfSampleViewer => {
+                let (width, pixels) = pixels(bytes);
+                let at = 4 * (8 * 16 + 8);
+                assert_eq!((width, pixels.len(), pixels[at + 2], pixels[at + 3]), (16, 1024, 0, 255));
+                let [scale, bias] = [0, 1].map(|i| f64::from(pixels[at + i]) / 255.0);
+                vec![bias, scale + bias]
+            }
+            _ => {
+                assert!(text().contains("const float brdf_ggx[64][64][3] = {\n    {{"));
+                let numbers: Vec<f64> = text()
+                    .split(['{', '}', ',', ' ', '\n'])
+                    .filter_map(|word| word.strip_suffix('f')?.parse().ok())
+                    .collect();
+                assert_eq!(numbers.len(), 64 * 64 * 3);
+                // sqrt(1 - 1/2) along y, roughness along x.
+                let at = 3 * (45 * 64 + 32);
+                vec![numbers[at + 1], numbers[at] + numbers[at + 1]]
+            }
+        };
+        // These texels are not exactly at the place.
+        assert!((found[0] - bias).abs() < 0.012 && (found[1] - total).abs() < 0.025, "{engine}: {found:?}");
+        assert!(!bundle.steps.is_empty());
+    }
+}
+
+/// Albedo and bias.
+fn ltcforge_values(alpha: f64, cosine: f64) -> [f64; 3] {
+    let document = r#"{"table": "dfg", "form": "filament", "resolution": {"roughness": 2, "cos_theta": 2}}"#;
+    let [bias, total, _] = fitted(document).recipe.truth(alpha, cosine);
+    [total, bias, 0.0]
+}
+
+#[test]
+fn an_engine_without_lookup_tables_is_named_with_the_others() {
+    let refused = "playcanvas".parse::<LutExport>().expect_err("no table").to_string();
+    assert!(refused.starts_with("playcanvas computes these values in its shaders"), "{refused}");
+    assert!(refused.contains("three, babylon, bevy, godot, filament, hdrp, gltf-sample-viewer, blender"), "{refused}");
+    let of = fitted(r#"{"table": "dfg", "precision": "rgba8", "resolution": {"roughness": 4, "cos_theta": 4}}"#);
+    let bundle = LutExport::Png.bundle(&of, Digest::of(b"")).expect("files");
+    let (width, pixels) = pixels(&bundle.files[0].bytes);
+    assert_eq!((width, pixels.len()), (4, 48));
+    assert_eq!(f32::from(pixels[0]) / 255.0, of.lut.texels[0]);
 }
