@@ -19,21 +19,14 @@ let refresh = null;
 
 /** Decodes a part of an address. Returns a malformed part unchanged. */
 function decoded( text ) {
-
 	try {
-
 		return decodeURIComponent( text );
-
 	} catch {
-
 		return text;
-
 	}
-
 }
 
 async function show() {
-
 	const [ path, query = '' ] = location.hash.replace( /^#\/?/, '' ).split( /\?(.*)/s );
 	const [ name = '', ...parts ] = ( path || 'tables' ).split( '/' );
 	const rest = decoded( parts.join( '/' ) );
@@ -42,77 +35,56 @@ async function show() {
 	const { signal } = leave;
 	refresh = null;
 	for ( const link of document.querySelectorAll( 'nav a' ) ) {
-
 		link.removeAttribute( 'aria-current' );
 		if ( link.hash === `#/${ name }` ) link.setAttribute( 'aria-current', 'page' );
-
 	}
 
 	const root = el( 'div', { class: `page-${ name }` } );
 	fill( main, root );
 	try {
-
 		if ( ! Object.hasOwn( PAGES, name ) ) throw new Error( `there is no page «${ name }»; choose a page above` );
 		const page = await PAGES[ name ]( rest );
 		if ( signal.aborted ) return;
 		const again = await page.show( root, rest, new URLSearchParams( query ), signal );
 		if ( ! signal.aborted ) refresh = again;
-
 	} catch ( error ) {
-
 		if ( signal.aborted ) return;
 		// When the service is back, `serviceback` shows the page again.
 		fill( root, el( 'h1', {}, 'Cannot show this page' ), notice( error.message ) );
-
 	}
 
 	const heading = root.querySelector( 'h1' );
 	document.title = heading ? `${ heading.textContent } – ltcforge` : 'ltcforge';
-
 }
 
 async function showVersion() {
-
 	try {
-
 		const { version, fitter } = await call( '/version' );
 		fill( service, `version ${ version }, fitter ${ fitter }` );
 		service.className = 'up';
-
 	} catch ( error ) {
-
 		fill( service, error.message );
-
 	}
-
 }
 
 window.addEventListener( 'hashchange', () => {
-
 	show();
 	window.scrollTo( 0, 0 );
 	main.focus( { preventScroll: true } );
-
 } );
 window.addEventListener( 'servicelost', () => {
-
 	fill( service, 'The service does not respond. Trying again…' );
 	service.className = 'down';
-
 } );
 window.addEventListener( 'serviceback', () => {
-
 	showVersion();
 	( refresh || show )();
-
 } );
 
 document.querySelector( '.skip' ).addEventListener( 'click', ( event ) => {
-
 	// Following the link would change the part after `#`, which names the page.
 	event.preventDefault();
 	main.focus();
-
 } );
 
 showVersion();

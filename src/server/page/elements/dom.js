@@ -11,68 +11,50 @@ const SVG = 'http://www.w3.org/2000/svg';
  * @returns {HTMLElement}
  */
 export function el( tag, attributes = {}, ...children ) {
-
 	return filled( document.createElement( tag ), attributes, children );
-
 }
 
 /** Creates an SVG element. The arguments are the same as for `el`. */
 export function svg( tag, attributes = {}, ...children ) {
-
 	return filled( document.createElementNS( SVG, tag ), attributes, children );
-
 }
 
 function filled( element, attributes, children ) {
-
 	for ( const [ name, value ] of Object.entries( attributes ) ) {
-
 		if ( value === null || value === undefined || value === false ) continue;
 		if ( name.startsWith( 'on' ) ) element.addEventListener( name.slice( 2 ), value );
 		else element.setAttribute( name, value === true ? '' : value );
-
 	}
 
 	return fill( element, ...children );
-
 }
 
 /** Replaces the children of an element. */
 export function fill( element, ...children ) {
-
 	element.replaceChildren( ...children.flat( Infinity ).filter( ( child ) => child !== null && child !== undefined && child !== false ) );
 	return element;
-
 }
 
 /** A button that copies the text that `read` returns. Its label then confirms the copy. */
 export function copyButton( label, read ) {
-
 	const button = el( 'button', { type: 'button', class: 'quiet', onclick: async () => {
-
 		// Without https, browsers offer no clipboard, and users must copy the text themselves.
 		const isCopied = await navigator.clipboard?.writeText( read() ).then( () => true, () => false );
 		button.textContent = isCopied ? 'Copied' : 'Select the text and press Ctrl+C';
 		setTimeout( () => button.textContent = label, 1500 );
-
 	} }, label );
 	return button;
-
 }
 
 /** A text with a title, and a button that copies the text. `label` is for screen readers. */
 export function copyLine( title, label, text ) {
-
 	const code = el( 'code', { tabindex: 0, role: 'textbox', 'aria-readonly': 'true', 'aria-label': label }, text );
 	return [ el( 'div', { class: 'label' }, title ), el( 'div', { class: 'copy' }, code, copyButton( 'Copy', () => text ) ) ];
-
 }
 
 /** A list of names and values. */
 export function facts( pairs ) {
-
 	return el( 'dl', { class: 'facts' }, pairs.filter( Boolean ).map( ( [ name, ...value ] ) => el( 'div', {}, el( 'dt', {}, name ), el( 'dd', {}, value ) ) ) );
-
 }
 
 /** An error message. */
@@ -95,22 +77,16 @@ export const headings = ( ...names ) => el( 'tr', {}, names.map( ( name ) => el(
 
 /** A file input that looks like a button. `take` gets the file. */
 export function fileField( id, accept, label, take, kind = 'button quiet' ) {
-
 	const input = el( 'input', { type: 'file', id, accept, class: 'hidden', onchange: () => input.files[ 0 ] && take( input.files[ 0 ] ) } );
 	return [ input, el( 'label', { for: id, class: kind }, label ) ];
-
 }
 
 /** Calls `take` with the file that a user drops on an element. */
 export function takeDrops( element, take ) {
-
 	element.addEventListener( 'dragover', ( event ) => event.preventDefault() );
 	element.addEventListener( 'drop', ( event ) => {
-
 		event.preventDefault();
 		const [ file ] = event.dataTransfer.files;
 		if ( file ) take( file );
-
 	} );
-
 }

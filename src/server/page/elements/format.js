@@ -2,11 +2,9 @@
 
 /** A number with three significant digits. Very small and very large numbers have an exponent. */
 export function number( value ) {
-
 	if ( value === null || value === undefined ) return '–';
 	if ( value !== 0 && ( Math.abs( value ) < 1e-4 || Math.abs( value ) >= 1e6 ) ) return value.toExponential( 1 );
 	return Number( value.toPrecision( 3 ) ).toString();
-
 }
 
 /** An integer with commas between thousands. */
@@ -19,31 +17,25 @@ export const percent = ( part, digits = 1 ) => `${ ( 100 * part ).toFixed( digit
 export const degrees = ( radians ) => `${ Math.round( radians * 180 / Math.PI ) }°`;
 
 export function bytes( count ) {
-
 	if ( count < 1000 ) return `${ count } B`;
 	const kilo = count / 1000;
 	return kilo < 1000 ? `${ kilo.toFixed( kilo < 10 ? 1 : 0 ) } kB` : `${ ( kilo / 1000 ).toFixed( 1 ) } MB`;
-
 }
 
 /** A duration in at most two units. */
 export function span( seconds ) {
-
 	if ( seconds < 1 ) return '< 1 s';
 	if ( seconds < 60 ) return `${ Math.round( seconds ) } s`;
 	if ( seconds < 3600 ) return `${ Math.floor( seconds / 60 ) } min ${ Math.round( seconds % 60 ) } s`;
 	if ( seconds < 86_400 ) return `${ Math.floor( seconds / 3600 ) } h ${ Math.round( seconds % 3600 / 60 ) } min`;
 	return `${ Math.floor( seconds / 86_400 ) } d`;
-
 }
 
 /** The time since a date, in the largest unit that fits. */
 export function age( time ) {
-
 	const seconds = Math.max( 0, ( Date.now() - Date.parse( time ) ) / 1000 );
 	const [ size, name ] = [ [ 86_400, 'd' ], [ 3600, 'h' ], [ 60, 'min' ] ].find( ( [ size ] ) => seconds >= size ) || [ 1, 's' ];
 	return `${ Math.floor( seconds / size ) } ${ name }`;
-
 }
 
 /** The first digits of a digest. */

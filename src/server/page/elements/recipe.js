@@ -4,18 +4,14 @@ import { button, el, section } from './dom.js';
 
 /** Indented JSON. A list of numbers or strings is on one line. */
 export function json( value ) {
-
 	return JSON.stringify( value, null, 2 ).replace( /\[[^[\]{}]*\]/g, ( list ) => list.replace( /\s+/g, ' ' ) );
-
 }
 
 /** A short title of a recipe. */
 export function title( { brdf, layout, resolution, precision, lobe, fresnel } ) {
-
 	const nodes = [ 'alpha', 'ratio', 'theta', 'phi' ].map( ( axis ) => resolution[ axis ] ).filter( ( count ) => count > 1 );
 	const materials = Array.isArray( fresnel ) ? `F0 ${ fresnel.map( ( { f0 } ) => f0 ).join( ', ' ) }` : fresnel?.replaceAll( '_', ' ' );
 	return [ brdf, layout, nodes.join( ' × ' ) || '1', precision, lobe, materials ].filter( Boolean ).join( ' · ' );
-
 }
 
 /** Whether all surfaces of a recipe are isotropic. */
@@ -23,9 +19,7 @@ export const isIsotropic = ( { range } ) => range.ratio[ 0 ] === 1;
 
 /** A complete recipe without the fitter version, which the service fills in. */
 export function ownRecipe( { fitter, ...own } ) {
-
 	return own;
-
 }
 
 /** The address of the form filled with a recipe. */
@@ -36,7 +30,5 @@ export const variation = ( recipe ) => button( formOf( ownRecipe( recipe ) ), 'F
 
 /** The section that shows a recipe as JSON. */
 export function recipeSection( recipe ) {
-
 	return section( 'recipe', 'Recipe', el( 'pre', { tabindex: 0, role: 'region', 'aria-label': 'Recipe as JSON' }, json( recipe ) ) );
-
 }

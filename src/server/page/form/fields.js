@@ -23,12 +23,10 @@ export const STARTS = {
 
 /** The kind of input for a field by its JSON Schema. */
 function kindOf( { enum: options, anyOf, type, items } ) {
-
 	if ( options ) return 'choice';
 	if ( anyOf ) return 'materials';
 	if ( type === 'integer' ) return 'whole';
 	return items.type === 'number' ? 'interval' : 'roughnesses';
-
 }
 
 /**
@@ -36,28 +34,21 @@ function kindOf( { enum: options, anyOf, type, items } ) {
  * roughnesses needs layout `materials`. It determines the values of the fields in `decided`, so changing the list removes them.
  */
 export function groupsOf( schema ) {
-
 	const fields = ( labels, { properties }, above = '' ) => Object.entries( labels ).flatMap( ( [ name, label ] ) => {
-
 		const [ pointer, own ] = [ `${ above }/${ name }`, properties[ name ] ];
 		return typeof label === 'object' ? fields( label, own, pointer ) : { pointer, label, schema: own, kind: kindOf( own ) };
-
 	} );
 	const decided = [ '/range', '/resolution' ].flatMap( ( of ) => ALPHA_AND_RATIO.map( ( axis ) => `${ of }/${ axis }` ) );
 	return Object.entries( GROUPS ).map( ( [ name, labels ] ) => ( { name, fields: fields( labels, schema ).map( ( field ) => field.kind === 'roughnesses' ? { ...field, layout: 'materials', decided } : field ) } ) );
-
 }
 
 /** The value at a pointer of a document. */
 export function get( document, pointer ) {
-
 	return pointer.slice( 1 ).split( '/' ).reduce( ( value, key ) => value?.[ key ], document ?? undefined );
-
 }
 
 /** Sets the value at a pointer, or removes it if `value` is undefined. */
 export function set( document, pointer, value ) {
-
 	const keys = pointer.slice( 1 ).split( '/' );
 	const last = keys.pop();
 	// In a pasted document, these members may have any type.
@@ -65,5 +56,4 @@ export function set( document, pointer, value ) {
 	if ( value === undefined ) delete inner[ last ];
 	else inner[ last ] = value;
 	for ( const key of keys ) if ( ! Object.keys( document[ key ] ).length ) delete document[ key ];
-
 }

@@ -18,7 +18,6 @@ const words = ( point ) => `error ${ percent( point.error ) } at ${ bytes( point
 
 /** The chart. `show` marks the forecast of the recipe. */
 export function tradeoff( signal ) {
-
 	const own = svg( 'circle', { class: 'own', r: 5, visibility: 'hidden' } );
 	const others = svg( 'g' );
 	const root = svg( 'svg', { class: 'tradeoff', viewBox: `0 0 ${ WIDTH } ${ HEIGHT }`, role: 'img', 'aria-label': 'Error against size' },
@@ -30,31 +29,24 @@ export function tradeoff( signal ) {
 		svg( 'text', { x: LEFT, y: HEIGHT - 4 }, 'error in % against size' ), others, own );
 
 	async function load() {
-
 		const { items } = await call( `/v1/tables?limit=${ MOST_TABLES }`, { signal } );
 		await each( items, 2, signal, async ( { digest, bytes } ) => {
-
 			const { recipe, report } = await manifest( digest );
 			const point = { error: report.between.width.mean, bytes };
 			others.append( svg( 'circle', { class: 'measured', cx: x( bytes ), cy: y( point.error ), r: 2.5 }, svg( 'title', {}, `table for ${ recipe.brdf }, layout ${ recipe.layout }: ${ words( point ) }` ) ) );
-
 		} );
-
 	}
 
 	// After an error the chart lacks tables. The forecast shows errors of the service.
 	load().catch( () => {} );
 
 	function show( expected ) {
-
 		own.setAttribute( 'visibility', expected ? 'visible' : 'hidden' );
 		if ( ! expected ) return;
 		own.setAttribute( 'cx', x( expected.bytes ) );
 		own.setAttribute( 'cy', y( expected.error ) );
 		root.setAttribute( 'aria-label', `This recipe: ${ words( expected ) }, among the tables of this service` );
-
 	}
 
 	return { root, show };
-
 }

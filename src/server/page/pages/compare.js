@@ -24,16 +24,13 @@ const FIGURES = [
 
 /** A row of figures. The best value is marked. */
 function figures( name, values, write ) {
-
 	const given = values.filter( ( value ) => value !== undefined );
 	const best = Math.max( ...given ) > Math.min( ...given ) ? Math.min( ...given ) : null;
 	return el( 'tr', {}, el( 'th', { scope: 'row' }, name ), values.map( ( value ) => el( 'td', { class: `number${ value === best ? ' best' : '' }` },
 		value === best ? el( 'span', { class: 'hidden' }, 'best: ' ) : null, value === undefined ? '–' : write( value ) ) ) );
-
 }
 
 export async function show( root, rest, parameters, signal ) {
-
 	const { items } = await call( '/v1/tables?limit=200', { signal } );
 	const known = items.map( ( { digest } ) => digest );
 	const asked = ( parameters.get( 'tables' ) || '' ).split( ',' ).filter( Boolean ).slice( 0, MOST );
@@ -45,28 +42,22 @@ export async function show( root, rest, parameters, signal ) {
 		options.map( ( digest ) => el( 'option', { value: digest, selected: digest === digests[ i ] }, short( digest ) ) ) ) );
 
 	function choose() {
-
 		const chosen = [ ...new Set( choices.map( ( { value } ) => value ).filter( Boolean ) ) ];
 		location.hash = chosen.length ? `#/compare?tables=${ chosen.join( ',' ) }` : '#/compare';
-
 	}
 
 	const added = known.length > digests.length ? choices.slice( digests.length ) : null;
 	fill( root, bar( 'Compare', el( 'span', { class: 'muted' }, 'the best value of each row is marked' ), added ) );
 	if ( ! known.length ) {
-
 		root.append( el( 'p', { class: 'empty' }, 'No table is stored yet. ', el( 'a', { href: '#/new' }, 'Submit a recipe' ), ' to fit a table.' ) );
 		return null;
-
 	}
 
 	const loads = [];
 	const pictures = ( name, caption, width, path ) => el( 'tr', {}, el( 'th', { scope: 'row' }, name ), tables.map( ( table, i ) => {
-
 		const image = el( 'img', { alt: `${ caption } table ${ i + 1 }`, width } );
 		loads.push( [ image, path( table ) ] );
 		return el( 'td', {}, image );
-
 	} ) );
 	const plot = ( { table }, file ) => `/v1/tables/${ table }/plots/${ file }`;
 	root.append( el( 'div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Comparison' }, el( 'table', { class: 'compare' },
@@ -79,5 +70,4 @@ export async function show( root, rest, parameters, signal ) {
 			pictures( 'Numbers', 'Stored numbers of', 320, ( table ) => plot( table, 'matrix.png' ) ) ) ) ) );
 	loads.forEach( ( [ image, from ] ) => load( image, from, signal ) );
 	return () => {};
-
 }

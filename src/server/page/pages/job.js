@@ -10,36 +10,27 @@ const MARKS = { queued: '○', running: '◐', done: '●', failed: '✕', cance
 
 /** The state of a job as a symbol and a word, so that it can be read without colours. */
 export function badge( state ) {
-
 	return el( 'span', { class: `state ${ state }` }, el( 'span', { 'aria-hidden': 'true' }, MARKS[ state ] ), ` ${ state }` );
-
 }
 
 /** The progress of a job. */
 export function bar( { progress: { entries_done, entries_total, seconds_left }, state } ) {
-
 	const left = state === 'running' && seconds_left !== null ? `${ span( seconds_left ) } left` : '';
 	return el( 'span', { class: 'progress' },
 		el( 'progress', { max: entries_total, value: entries_done, 'aria-label': 'Entries fitted' } ),
 		el( 'span', { class: 'number' }, percent( entries_done / entries_total, 0 ) ), el( 'span', { class: 'muted' }, left ) );
-
 }
 
 /** A button that cancels a job. `onJob` gets the cancelled job. */
 export function cancelButton( id, onJob, onError ) {
-
 	const pressed = el( 'button', { type: 'button', class: 'quiet', onclick: () => {
-
 		pressed.disabled = true;
 		call( `/v1/jobs/${ id }`, { method: 'DELETE' } ).then( onJob, onError ).finally( () => pressed.disabled = false );
-
 	} }, 'Cancel' );
 	return pressed;
-
 }
 
 export async function show( root, id, parameters, signal ) {
-
 	const fault = el( 'div' );
 	const state = el( 'div', { 'aria-live': 'polite' } );
 	const figures = el( 'div' );
@@ -49,7 +40,6 @@ export async function show( root, id, parameters, signal ) {
 	let shown = null;
 
 	function update( job ) {
-
 		if ( signal.aborted ) return;
 		const { progress, expected } = job;
 		fill( fault );
@@ -71,21 +61,16 @@ export async function show( root, id, parameters, signal ) {
 			job.table ? button( `#/tables/${ job.table }`, 'Open the table', 'button primary' ) : null,
 			shown === 'failed' || shown === 'cancelled' ? el( 'button', { type: 'button', class: 'primary', onclick: () => again( job ).catch( failed ) }, 'Submit again' ) : null,
 			variation( job.recipe ) );
-
 	}
 
 	async function again( { recipe } ) {
-
 		await call( '/v1/jobs', { method: 'POST', body: recipe } );
 		watch( await ask() );
-
 	}
 
 	function watch( job ) {
-
 		update( job );
 		if ( isActive( job ) ) follow( id, signal, update );
-
 	}
 
 	const job = await ask();
@@ -93,5 +78,4 @@ export async function show( root, id, parameters, signal ) {
 	watch( job );
 	// `follow` opens the stream again. This call shows the changes since the stream was lost.
 	return () => ask().then( update, failed );
-
 }

@@ -14,15 +14,12 @@ const [ PAGE, MOST ] = [ 50, 1000 ];
 
 /** The progress or the result of a job. */
 function outcome( job, onJob, onError ) {
-
 	if ( isActive( job ) ) return [ bar( job ), cancelButton( job.id, onJob, onError ) ];
 	if ( job.table ) return el( 'a', { href: `#/tables/${ job.table }` }, 'Table' );
 	return el( 'span', { class: 'reason' }, job.error?.detail );
-
 }
 
 export async function show( root, rest, parameters, signal ) {
-
 	const rows = new Map();
 	let next = null;
 	const body = el( 'tbody' );
@@ -36,7 +33,6 @@ export async function show( root, rest, parameters, signal ) {
 	const failed = ( error ) => signal.aborted || fill( fault, notice( error.message ) );
 
 	function update( job ) {
-
 		const { row = el( 'tr' ), text } = rows.get( job.id ) || {};
 		rows.set( job.id, { job, row, text: JSON.stringify( job ) } );
 		// An unchanged row is kept, so that a button is not replaced while it is pressed.
@@ -48,13 +44,11 @@ export async function show( root, rest, parameters, signal ) {
 			el( 'td', {}, outcome( job, update, failed ) ),
 			el( 'td', { class: 'number' }, el( 'time', { datetime: job.created_at, title: new Date( job.created_at ).toLocaleString() }, age( job.created_at ) ) ) );
 		if ( focusedTag ) row.querySelector( focusedTag )?.focus();
-
 	}
 
 	const active = () => [ ...rows.values() ].filter( ( { job } ) => isActive( job ) ).length;
 
 	async function read( cursor ) {
-
 		const page = await call( cursor ? `/v1/jobs?limit=${ PAGE }&cursor=${ cursor }` : `/v1/jobs?limit=${ Math.min( MOST, Math.max( PAGE, rows.size ) ) }`, { signal } );
 		page.items.forEach( update );
 		if ( cursor || next === null ) next = page.next;
@@ -65,22 +59,16 @@ export async function show( root, rest, parameters, signal ) {
 		list.hidden = rows.size === 0;
 		fill( fault );
 		fill( count, active() ? `${ active() } active` : 'none active' );
-
 	}
 
 	async function poll() {
-
 		while ( ! signal.aborted ) {
-
 			await new Promise( ( done ) => setTimeout( done, active() ? BUSY : IDLE ) );
 			if ( ! signal.aborted && ! document.hidden ) await read().catch( () => {} );
-
 		}
-
 	}
 
 	await read();
 	poll();
 	return () => read().catch( () => {} );
-
 }

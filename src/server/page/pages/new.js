@@ -22,30 +22,21 @@ const quoted = ( text ) => `'${ text.replaceAll( "'", "'\\''" ) }'`;
 
 /** The shell command that submits a recipe. */
 function curlOf( recipe ) {
-
 	const token = hasToken() ? '  -H "authorization: Bearer $TOKEN" \\\n' : '';
 	return `curl -H 'content-type: application/json' \\\n${ token }  -d ${ quoted( JSON.stringify( recipe ) ) } \\\n  ${ quoted( address( '/v1/jobs' ) ) }`;
-
 }
 
 /** The recipe in the address, or the default recipe. */
 function initial( parameters ) {
-
 	try {
-
 		return parsed( parameters.get( 'recipe' ) );
-
 	} catch {
-
 		// If the link has no valid recipe, the form shows the default recipe.
 		return { preset: 'standard' };
-
 	}
-
 }
 
 export async function show( root, rest, parameters, signal ) {
-
 	const schema = await constant( '/v1/recipes/schema' );
 	let recipe = initial( parameters );
 	let timer = 0;
@@ -82,23 +73,18 @@ export async function show( root, rest, parameters, signal ) {
 				copied( 'Submit with curl', () => curl.textContent ), curl ) ) );
 
 	function change( { pointer, decided = [] }, value ) {
-
 		set( recipe, pointer, value );
 		for ( const other of decided ) set( recipe, other, undefined );
 		changed();
-
 	}
 
 	/** Replaces the recipe. */
 	function take( other ) {
-
 		recipe = other;
 		changed();
-
 	}
 
 	function changed() {
-
 		entered.show( recipe );
 		for ( const radio of root.querySelectorAll( '[name=preset]' ) ) radio.checked = radio.value === ( recipe.preset ?? ( recipe.fit ? '' : 'standard' ) );
 		fill( curl, curlOf( recipe ) );
@@ -106,49 +92,37 @@ export async function show( root, rest, parameters, signal ) {
 		history.replaceState( null, '', formOf( recipe ) );
 		clearTimeout( timer );
 		timer = setTimeout( requestForecast, PAUSE );
-
 	}
 
 	async function requestForecast() {
-
 		const turn = ++ asked;
 		const ask = ( body ) => call( '/v1/recipes', { method: 'POST', body, signal } );
 		try {
-
 			const response = await ask( recipe );
 			if ( turn !== asked ) return;
 			showForecast( response );
 			// The recipe in a link can have errors. Missing values then come from the preset.
 			if ( ! response.recipe && ! filled ) fillIn( ( await ask( { preset: recipe.preset || 'standard' } ) ).recipe );
-
 		} catch ( error ) {
-
 			if ( ! signal.aborted && turn === asked ) fill( expected, notice( error.message ) );
-
 		}
-
 	}
 
 	/** Shows the values of the document. Missing values come from the complete recipe. */
 	function fillIn( complete ) {
-
 		filled = complete;
 		for ( const { field: { pointer }, show } of inputs ) show( get( recipe, pointer ) ?? get( complete, pointer ) );
-
 	}
 
 	/** Shows the complete recipe, its forecast, and each error next to its field. */
 	function showForecast( { recipe: complete, entries, expected: forecast, table, recipe_digest, problem } ) {
-
 		const faults = new Set( problem?.errors );
 		for ( const { field: { pointer, layout }, row, showFaults } of inputs ) {
-
 			const own = [ ...faults ].filter( ( fault ) => `${ fault.pointer }/`.startsWith( `${ pointer }/` ) );
 			own.forEach( ( fault ) => faults.delete( fault ) );
 			// For an error inside a list, the message also names the item and its member.
 			showFaults( own.map( ( fault ) => fault.pointer === pointer ? fault.detail : `${ fault.pointer.slice( 1 ) }: ${ fault.detail }` ) );
 			row.hidden = Boolean( layout ) && ! own.length && ( complete || recipe ).layout !== layout;
-
 		}
 
 		if ( complete || filled ) fillIn( complete || filled );
@@ -163,28 +137,20 @@ export async function show( root, rest, parameters, signal ) {
 			[ 'Entries', whole( entries ) ],
 			[ 'Digest', el( 'code', {}, short( recipe_digest ) ) ],
 		] ) : muted( problem.detail ) );
-
 	}
 
 	async function send( event ) {
-
 		event.preventDefault();
 		submit.disabled = true;
 		try {
-
 			const job = await call( '/v1/jobs', { method: 'POST', body: recipe } );
 			location.hash = job.table ? `#/tables/${ job.table }` : `#/jobs/${ job.id }`;
-
 		} catch ( error ) {
-
 			submit.disabled = false;
 			fill( answer, notice( error.message ) );
-
 		}
-
 	}
 
 	changed();
 	return requestForecast;
-
 }

@@ -9,7 +9,6 @@ import { address, manifest } from '../service/api.js';
 import { load, previewOf } from '../service/pictures.js';
 
 export async function show( root, digest, parameters, signal ) {
-
 	const about = await manifest( digest );
 	const { recipe, report, recipe_digest } = about;
 	const picture = el( 'img', { alt: 'A sphere under a rectangular light: the reference, this table, and their difference', width: 776, height: 314 } );
@@ -32,5 +31,4 @@ export async function show( root, digest, parameters, signal ) {
 		recipeSection( recipe ) );
 	// A table never changes, so there is nothing to refresh.
 	return () => {};
-
 }

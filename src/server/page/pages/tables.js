@@ -25,7 +25,6 @@ const COLUMNS = [
 const hidden = ( text, tag = 'span' ) => el( tag, { class: 'hidden' }, text );
 
 export async function show( root, rest, parameters, signal ) {
-
 	const rows = new Map();
 	const chosen = new Set();
 	let order = { column: 4, sign: 1 };
@@ -44,14 +43,11 @@ export async function show( root, rest, parameters, signal ) {
 	fill( root, bar( 'Tables', count, el( 'label', { for: 'search', class: 'hidden' }, 'Search' ), search, compare ), list, empty, more );
 
 	function sort( column ) {
-
 		order = { column, sign: order.column === column ? - order.sign : 1 };
 		draw();
-
 	}
 
 	function add( item ) {
-
 		if ( rows.has( item.digest ) ) return;
 		const name = short( item.digest );
 		const link = el( 'a', { href: `#/tables/${ item.digest }` }, name );
@@ -65,61 +61,47 @@ export async function show( root, rest, parameters, signal ) {
 			el( 'td', { class: 'choose' }, choose ) );
 		// Until its manifest is loaded, a table is sorted after all others.
 		rows.set( item.digest, { ...item, row, link, picture, cells: [ error, light ], title: '', error: Infinity, light: Infinity } );
-
 	}
 
 	function pick( digest, isChosen ) {
-
 		if ( isChosen ) chosen.add( digest );
 		else chosen.delete( digest );
 		compare.hidden = chosen.size < 2;
 		compare.href = `#/compare?tables=${ [ ...chosen ].slice( 0, 3 ).join( ',' ) }`;
 		compare.textContent = chosen.size > 3 ? 'Compare the first three' : `Compare ${ chosen.size }`;
-
 	}
 
 	function draw() {
-
 		const words = search.value.toLowerCase().split( /\s+/ ).filter( Boolean );
 		const [ , key ] = COLUMNS[ order.column ];
 		const found = [ ...rows.values() ].filter( ( { title, digest, recipe_digest } ) => words.every( ( word ) => `${ title } ${ digest } ${ recipe_digest }`.toLowerCase().includes( word ) ) );
 		found.sort( ( a, b ) => order.sign * ( ( key( a ) > key( b ) ) - ( key( a ) < key( b ) ) ) );
 		headings.forEach( ( heading, column ) => {
-
 			heading.removeAttribute( 'aria-sort' );
 			if ( column === order.column ) heading.setAttribute( 'aria-sort', order.sign > 0 ? 'ascending' : 'descending' );
-
 		} );
 		fill( body, found.map( ( { row } ) => row ) );
 		fill( count, found.length === rows.size ? `${ rows.size }${ next ? ' and more' : '' }` : `${ found.length } of ${ rows.size }` );
 		empty.hidden = rows.size > 0;
 		list.hidden = rows.size === 0;
 		more.hidden = ! next;
-
 	}
 
 	async function detail( row ) {
-
 		try {
-
 			const { recipe, report: { between } } = await manifest( row.digest );
 			Object.assign( row, { title: title( recipe ), error: between.width.mean, light: between.light.mean } );
 			fill( row.link, row.title );
 			fill( row.cells[ 0 ], percent( row.error ) );
 			fill( row.cells[ 1 ], percent( row.light, 2 ) );
 			load( row.picture, previewOf( recipe, row.digest, PICTURE ), signal );
-
 		} catch ( error ) {
-
 			row.cells.forEach( ( cell ) => fill( cell, '–' ) );
 			row.row.title = error.message;
-
 		}
-
 	}
 
 	async function read( cursor ) {
-
 		const page = await call( `/v1/tables?limit=${ PAGE }${ cursor ? `&cursor=${ cursor }` : '' }`, { signal } );
 		const fresh = page.items.filter( ( { digest } ) => ! rows.has( digest ) );
 		page.items.forEach( add );
@@ -127,17 +109,13 @@ export async function show( root, rest, parameters, signal ) {
 		if ( cursor || next === null ) next = page.next;
 		draw();
 		each( fresh.map( ( { digest } ) => rows.get( digest ) ), AT_ONCE, signal, detail ).then( () => signal.aborted || draw() );
-
 	}
 
 	function older() {
-
 		more.disabled = true;
 		read( next ).finally( () => more.disabled = false );
-
 	}
 
 	await read();
 	return () => read().catch( () => {} );
-
 }

@@ -26,7 +26,6 @@ const SIDES = [ [ 'split', 'both' ], [ 'model', 'left' ], [ 'reference', 'right'
 const SURFACES = CHOICES.surface.map( ( name ) => [ name, name.replace( '_', ' ' ) ] );
 
 export async function show( root, rest, parameters, signal ) {
-
 	const scene = read( parameters );
 	const canvas = el( 'canvas', { width: SIZE, height: SIZE, role: 'img', 'aria-label': 'The surface under the lights' } );
 	const border = svg( 'line' );
@@ -73,10 +72,8 @@ export async function show( root, rest, parameters, signal ) {
 	let isWaiting = false;
 
 	function start() {
-
 		gpu = device( canvas );
 		restart();
-
 	}
 
 	/** Shows an error instead of the figures. */
@@ -85,19 +82,15 @@ export async function show( root, rest, parameters, signal ) {
 	canvas.addEventListener( 'webglcontextlost', ( event ) => signal.aborted || event.preventDefault() );
 	canvas.addEventListener( 'webglcontextrestored', start );
 	signal.addEventListener( 'abort', () => {
-
 		gpu?.release();
 		lights.release();
-
 	} );
 
 	/** Loads the models that are selected in the scene. */
 	async function choose() {
-
 		const turn = ++ asked;
 		lit = null;
 		try {
-
 			const hasPictures = scene.lights.some( isPictured );
 			const right = scene.against ? modelOf( scene.against === 'normals' ? '' : scene.against, hasPictures ) : null;
 			const found = await Promise.all( [ modelOf( scene.table, hasPictures ), right, hasPictures ? textOf( 'prefilter.glsl' ) : null ] );
@@ -105,19 +98,13 @@ export async function show( root, rest, parameters, signal ) {
 			prefilter = found.pop();
 			lit = found;
 			restart();
-
 		} catch ( error ) {
-
 			if ( turn === asked ) failed( error );
-
 		}
-
 	}
 
 	async function open( file ) {
-
 		try {
-
 			const { readGltf } = await import( '../gltf/read.js' );
 			const { meshes, triangles, notes } = await readGltf( await file.arrayBuffer() );
 			if ( signal.aborted ) return;
@@ -125,28 +112,21 @@ export async function show( root, rest, parameters, signal ) {
 			surface.offer( [ ...SURFACES, [ 'mesh', file.name ] ], 'mesh' );
 			fill( opened, muted( [ `${ whole( triangles ) } triangles, ${ meshes.length } material${ meshes.length > 1 ? 's' : '' }`, ...notes ].join( '; ' ) ) );
 			change( 'surface', 'mesh' );
-
 		} catch ( error ) {
-
 			fill( opened, notice( `${ file.name }: ${ error.message }` ) );
-
 		}
-
 	}
 
 	takeDrops( canvas.parentElement, open );
 
 	/** Draws the scene again, starting with the first sample. */
 	function restart() {
-
 		samples = 0;
 		isDrawn = false;
 		requestFrame();
-
 	}
 
 	function change( name, value ) {
-
 		scene[ name ] = value;
 		history.replaceState( null, '', `#/viewer?${ link( scene ) }` );
 		showValues();
@@ -154,41 +134,31 @@ export async function show( root, rest, parameters, signal ) {
 		if ( name === 'table' || name === 'against' || needsOtherModels ) choose();
 		else if ( SHOWN.includes( name ) ) requestFrame();
 		else restart();
-
 	}
 
 	function showValues() {
-
 		for ( const control of [ split, ...sliders ] ) control.show( scene );
 		lights.show();
 		// A glTF file has its own materials.
 		ofSurface.hidden = scene.surface === 'mesh';
-
 	}
 
 	function requestFrame() {
-
 		if ( isWaiting || signal.aborted ) return;
 		isWaiting = true;
 		requestAnimationFrame( frame );
-
 	}
 
 	function frame() {
-
 		isWaiting = false;
 		outlineLights();
 		if ( signal.aborted || ! lit || ! gpu || gpu.isLost() ) return;
 		const since = performance.now();
 		let calls = 0;
 		try {
-
 			calls = draw();
-
 		} catch ( error ) {
-
 			return failed( error );
-
 		}
 
 		const [ left, right ] = lit;
@@ -200,19 +170,16 @@ export async function show( root, rest, parameters, signal ) {
 			scene.show === 'difference' ? el( 'div', { class: 'scale muted' }, el( 'span', {}, 'no difference' ), el( 'span', { class: 'ramp difference' } ), el( 'span', {}, `radiance differs by ${ DIFFERENCE } or more` ) ) : null );
 		if ( isMoving ) restart();
 		else if ( isReference && samples < MOST ) requestFrame();
-
 	}
 
 	/** Draws the changes since the last frame. Returns the number of draw calls. */
 	function draw() {
-
 		const { eye, right, up, forward, half } = camera( scene );
 		const { uniforms, shapes } = uniformsOf( scene.lights );
 		const numbers = { ...uniforms, eye, size: SIZE };
 		const [ left, other ] = lit;
 		let calls = 1;
 		if ( ! isDrawn ) {
-
 			const shown = lights.layers();
 			isMoving = shown.isMoving;
 			calls += gpu.picture( shown.layers, prefilter );
@@ -227,45 +194,35 @@ export async function show( root, rest, parameters, signal ) {
 			if ( other ) gpu.light( 'right', other, numbers, shapes );
 			calls += ( meshes?.length || 1 ) + ( other ? 2 : 1 );
 			isDrawn = true;
-
 		}
 
 		if ( ! other && scene.show !== 'model' && samples < MOST ) {
-
 			gpu.sample( left.brdf, numbers, shapes, samples, PER_FRAME );
 			samples += PER_FRAME;
 			calls ++;
-
 		}
 
 		gpu.display( { size: SIZE, exposure: scene.exposure, split: scene.split, show: CHOICES.show.indexOf( scene.show ), difference_scale: DIFFERENCE }, other ? null : samples );
 		return calls;
-
 	}
 
 	/** Draws the outlines of the lights over the picture. Users can drag the outlines. */
 	function outlineLights() {
-
 		const from = camera( scene );
 		while ( outlines.length > scene.lights.length ) outlines.pop().remove();
 		while ( outlines.length < scene.lights.length ) outlines.push( dragged( outlines.length ) );
 		outlines.forEach( ( polygon, i ) => {
-
 			const points = outline( scene.lights[ i ], from.eye ).map( ( corner ) => projected( from, corner ) );
 			polygon.setAttribute( 'points', points.every( Boolean ) ? points.map( ( { x, y } ) => `${ x },${ - y }` ).join( ' ' ) : '' );
 			polygon.classList.toggle( 'other', i !== lights.chosen() );
-
 		} );
 		const at = scene.show === 'split' ? 2 * scene.split - 1 : 2;
 		for ( const [ name, value ] of Object.entries( { x1: at, x2: at, y1: - 1, y2: 1 } ) ) border.setAttribute( name, value );
-
 	}
 
 	function dragged( i ) {
-
 		const polygon = overlay.appendChild( svg( 'polygon' ) );
 		drag( polygon, ( x, y, isNear ) => {
-
 			const light = scene.lights[ i ];
 			const from = camera( scene );
 			const distance = projected( from, placed( light ).centre )?.distance || 0;
@@ -273,32 +230,23 @@ export async function show( root, rest, parameters, signal ) {
 			lights.take( i );
 			[ 'x', 'y', 'z' ].forEach( ( name, axis ) => light[ name ] = Number( ( light[ name ] + way[ axis ] ).toFixed( 3 ) ) );
 			change( 'lights', scene.lights );
-
 		} );
 		return polygon;
-
 	}
 
 	drag( overlay, ( x, y ) => {
-
 		const azimuth = scene.camera_azimuth - 2 * x;
 		change( 'camera_azimuth', azimuth - 2 * Math.PI * Math.round( azimuth / ( 2 * Math.PI ) ) );
 		change( 'camera_elevation', Math.min( 1.5, Math.max( - 1.5, scene.camera_elevation - 2 * y ) ) );
-
 	} );
 	showValues();
 	try {
-
 		start();
 		choose();
-
 	} catch ( error ) {
-
 		failed( error );
-
 	}
 
 	// The service may have stopped before it returned the models.
 	return () => lit || choose();
-
 }

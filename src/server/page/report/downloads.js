@@ -7,7 +7,6 @@ import { hasToken } from '../service/token.js';
 
 /** Handles a click on a download link. Browsers send no token with links, so if there is a token, the page downloads the file itself. */
 export async function save( event ) {
-
 	if ( ! hasToken() ) return;
 	event.preventDefault();
 	const link = event.currentTarget;
@@ -18,55 +17,42 @@ export async function save( event ) {
 	saved.click();
 	// By then the browser has read the file.
 	setTimeout( () => URL.revokeObjectURL( saved.href ), 60_000 );
-
 }
 
 /** The files of one export. When the element is opened, the page requests the files, and the service makes them. */
 function files( digest, name, signal ) {
-
 	const inside = el( 'div', {}, muted( 'Making the files…' ) );
 	const details = el( 'details', { ontoggle: open }, el( 'summary', {}, name ), inside );
 	let request = null;
 	function open() {
-
 		if ( ! details.open ) return;
 		request ??= call( `/v1/tables/${ digest }/exports/${ name }`, { signal } ).then( showFiles, ( error ) => {
-
 			request = null;
 			if ( ! signal.aborted ) fill( inside, notice( error.message ) );
-
 		} );
-
 	}
 
 	function showFiles( { files, steps } ) {
-
 		fill( inside,
 			el( 'table', { class: 'files' }, el( 'tbody', {}, files.map( ( file ) => el( 'tr', {},
 				el( 'th', { scope: 'row' }, el( 'a', { href: address( file.url ), download: true, onclick: save }, file.path ) ),
 				el( 'td', { class: 'number' }, bytes( file.bytes ) ),
 				el( 'td', {}, el( 'code', { class: 'muted', title: file.digest }, short( file.digest ) ) ) ) ) ) ),
 			steps.length ? el( 'ol', { class: 'steps' }, steps.map( ( step ) => el( 'li', {}, step ) ) ) : null );
-
 	}
 
 	return details;
-
 }
 
 /** The section with all exports of a table. */
 export function downloads( digest, signal ) {
-
 	const list = el( 'div' );
 	const showExports = ( { items } ) => {
-
 		// Names of formats contain a dot or a dash. Names of engines do not.
 		const [ engines, others ] = [ false, true ].map( ( isFormat ) => items.filter( ( { name } ) => /[.-]/.test( name ) === isFormat ).map( ( { name } ) => files( digest, name, signal ) ) );
 		fill( list, engines, el( 'details', { class: 'group' }, el( 'summary', {}, `Other formats (${ others.length })` ), el( 'div', { class: 'inner' }, others ) ) );
-
 	};
 
 	call( `/v1/tables/${ digest }/exports`, { signal } ).then( showExports, ( error ) => signal.aborted || fill( list, notice( error.message ) ) );
 	return section( 'downloads', 'Files for engines', list );
-
 }

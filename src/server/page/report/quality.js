@@ -14,7 +14,6 @@ const ROWS = { 'lobe, relative to its width': 'width', 'lobe, sliced Wasserstein
 
 /** The report as sentences and a table of figures. */
 export function inWords( { nodes, between, poor, matrices } ) {
-
 	const [ worst ] = between.worst;
 	const sentences = [
 		`Between nodes, the mean error of a lobe is ${ percent( between.width.mean ) } of its width. One lobe in twenty has an error above ${ percent( between.width.p95 ) }.`,
@@ -34,41 +33,32 @@ export function inWords( { nodes, between, poor, matrices } ) {
 		el( 'div', {}, sentences.filter( Boolean ).map( ( sentence ) => el( 'p', {}, sentence ) ),
 			facts( [ [ 'Condition number of matrices', `${ number( matrices.condition.min ) } to ${ number( matrices.condition.max ) }` ], [ 'Negative determinants', matrices.negative_determinants ] ] ) ),
 		el( 'div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Figures' }, figures ) );
-
 }
 
 /** A slider over an axis of the recipe. */
 function slider( axis, label, { range, nodes }, usual, onchange ) {
-
 	const [ min, max ] = range?.[ axis ] ?? [ nodes[ axis ][ 0 ], nodes[ axis ].at( - 1 ) ];
 	const [ id, value ] = [ `plot-${ axis }`, Math.min( max, Math.max( min, usual ) ) ];
 	const output = el( 'output', { for: id }, number( value ) );
 	const input = el( 'input', { type: 'range', id, min, max, step: 0.01, value, oninput: () => output.textContent = input.value, onchange } );
 	return { input, row: el( 'div', { class: 'slider' }, el( 'label', { for: id }, label ), input, output ) };
-
 }
 
 /** The section with the error maps and the stored numbers. Tables of anisotropic surfaces have sliders for ratio and azimuth. Requests start after the promise `before`. */
 export function plots( digest, recipe, before, signal ) {
-
 	const errors = errorMaps( digest, signal );
 	const numbers = el( 'img', { alt: 'All stored numbers of the table. There is a tile for each ratio and azimuth.' } );
 	const isRound = isIsotropic( recipe );
 	const ratio = slider( 'ratio', 'Ratio of roughnesses', recipe, 0.25, draw );
 	const phi = slider( 'phi', 'Azimuth', recipe, 0.7, draw );
 	function draw() {
-
 		errors.show( isRound ? '' : `?ratio=${ ratio.input.value }&phi=${ phi.input.value }` );
-
 	}
 
 	before.then( () => {
-
 		if ( signal.aborted ) return;
 		draw();
 		load( numbers, `/v1/tables/${ digest }/plots/matrix.png`, signal );
-
 	} );
 	return section( 'plots', 'Errors and numbers', isRound ? null : el( 'div', { class: 'sliders' }, ratio.row, phi.row ), el( 'div', { class: 'plots' }, errors.root, numbers ) );
-
 }

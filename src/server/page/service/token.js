@@ -11,9 +11,7 @@ export const hasToken = () => token !== '';
 
 /** The `authorization` header, or no header if there is no token. */
 export function authorization() {
-
 	return token ? { authorization: `Bearer ${ token }` } : {};
-
 }
 
 /**
@@ -21,35 +19,27 @@ export function authorization() {
  * user who declines is asked again on the next page.
  */
 export async function anotherThan( { authorization: refused } ) {
-
 	if ( token && authorization().authorization !== refused ) return true;
 	if ( isDeclined ) return false;
 	asking ??= asked( refused !== undefined ).finally( () => asking = null );
 	return asking;
-
 }
 
 window.addEventListener( 'hashchange', () => isDeclined = false );
 
 function asked( isRefused ) {
-
 	return new Promise( ( answered ) => {
-
 		const field = el( 'input', { type: 'password', id: 'token', autocomplete: 'off', required: true, spellcheck: 'false' } );
 		const end = ( isGiven ) => {
-
 			if ( isGiven ) token = field.value.trim();
 			isDeclined = ! isGiven;
 			dialog.remove();
 			answered( isGiven );
-
 		};
 
 		const form = el( 'form', { onsubmit: ( event ) => {
-
 			event.preventDefault();
 			end( true );
-
 		} } );
 		const dialog = el( 'dialog', { 'aria-labelledby': 'token-title', oncancel: () => end( false ) }, form );
 		fill( form, el( 'h2', { id: 'token-title' }, 'This service needs a token' ),
@@ -59,7 +49,5 @@ function asked( isRefused ) {
 			el( 'p', { class: 'actions' }, el( 'button', { type: 'submit', class: 'primary' }, 'Continue' ), el( 'button', { type: 'button', onclick: () => end( false ) }, 'Not now' ) ) );
 		document.body.append( dialog );
 		dialog.showModal();
-
 	} );
-
 }

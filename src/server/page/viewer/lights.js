@@ -7,14 +7,11 @@ import { screens } from './screens.js';
 
 /** The fields of a scene's lights. `changed` is called after each change, and `again` when the user starts or pauses a video. */
 export function lightsPanel( scene, changed, again ) {
-
 	let chosen = 0;
 	const shapes = Object.keys( LIGHT_SHAPES );
 	const change = ( name, value ) => {
-
 		scene.lights[ chosen ][ name ] = value;
 		changed();
-
 	};
 
 	const shape = choice( 'view-light_shape', 'Shape', shapes, scene.lights[ 0 ].shape, ( value ) => change( 'shape', value ) );
@@ -22,23 +19,18 @@ export function lightsPanel( scene, changed, again ) {
 	const sliders = OF_LIGHT.map( ( field ) => slider( field, 'light_', change ) );
 	const button = ( text, onclick ) => el( 'button', { type: 'button', class: 'quiet', onclick }, text );
 	const add = button( 'Add', () => {
-
 		chosen = scene.lights.length;
 		scene.lights.push( addedLight( chosen ) );
 		changed();
-
 	} );
 	const remove = button( 'Remove', () => {
-
 		scene.lights.splice( chosen, 1 );
 		chosen = Math.min( chosen, scene.lights.length - 1 );
 		changed();
-
 	} );
 	const numbers = el( 'span', { class: 'chosen', role: 'group', 'aria-label': 'Light to change' } );
 
 	function show() {
-
 		const light = scene.lights[ chosen ];
 		const [ width, height ] = LIGHT_SHAPES[ light.shape ].sizes;
 		fill( numbers, scene.lights.map( ( _, i ) => el( 'button', { type: 'button', class: 'quiet', 'aria-pressed': String( i === chosen ), 'aria-label': `Light ${ i + 1 }`, onclick: () => choose( i ) }, String( i + 1 ) ) ) );
@@ -47,16 +39,13 @@ export function lightsPanel( scene, changed, again ) {
 		shape.offer( shapes, light.shape );
 		shown.show( light );
 		for ( const control of sliders ) control.show( light, { width, height }[ control.name ] );
-
 	}
 
 	function choose( i ) {
-
 		chosen = i;
 		changed();
 		// `changed` has replaced the buttons, so the new button needs the focus.
 		numbers.children[ i ].focus();
-
 	}
 
 	return {
@@ -67,5 +56,4 @@ export function lightsPanel( scene, changed, again ) {
 		layers: () => shown.layers( scene.lights ),
 		release: shown.release,
 	};
-
 }

@@ -70,18 +70,14 @@ const named = ( i, name ) => `light${ i ? i + 1 : '' }_${ name }`;
 
 /** The initial values of the light with index `i`. */
 export function addedLight( i ) {
-
 	const [ x, y, z ] = PLACES[ i ];
 	return { shape: 'rectangle', picture: '', ...Object.fromEntries( OF_LIGHT.map( ( { name, value } ) => [ name, value ] ) ), x, y, z };
-
 }
 
 /** The number in a text, clamped to its bounds, or `value` if the text is missing or malformed. */
 function within( { min, max }, text, value ) {
-
 	const given = text === null ? value : Number( text );
 	return Number.isFinite( given ) ? Math.min( max, Math.max( min, given ) ) : value;
-
 }
 
 /** The default border between both sides, as a fraction of the width. */
@@ -89,13 +85,11 @@ const SPLIT = 0.5;
 
 /** Reads a scene from the parameters of a link. Missing and malformed values are replaced by defaults. Numbers are clamped to their bounds. */
 export function read( parameters ) {
-
 	const scene = { table: parameters.get( 'table' ) || '', against: parameters.get( 'against' ) || '', split: within( { min: 0, max: 1 }, parameters.get( 'split' ), SPLIT ) };
 	for ( const field of PARAMETERS ) scene[ field.name ] = within( field, parameters.get( field.name ), field.value );
 	for ( const [ name, options ] of Object.entries( CHOICES ) ) scene[ name ] = options.includes( parameters.get( name ) ) ? parameters.get( name ) : options[ 0 ];
 	const count = Math.round( within( { min: 1, max: MOST_LIGHTS }, parameters.get( 'lights' ), 1 ) );
 	scene.lights = Array.from( { length: count }, ( _, i ) => {
-
 		const light = addedLight( i );
 		for ( const field of OF_LIGHT ) light[ field.name ] = within( field, parameters.get( named( i, field.name ) ), light[ field.name ] );
 		const shape = parameters.get( named( i, 'shape' ) );
@@ -103,21 +97,17 @@ export function read( parameters ) {
 		const picture = parameters.get( named( i, 'picture' ) ) || '';
 		if ( Object.hasOwn( PICTURES, picture ) ) light.picture = picture;
 		return light;
-
 	} );
 	return scene;
-
 }
 
 /** The parameters of a link to a scene. Default values are left out. */
 export function link( scene ) {
-
 	const changed = PARAMETERS.filter( ( { name, value } ) => scene[ name ] !== value ).map( ( { name } ) => [ name, scene[ name ] ] );
 	const chosen = Object.entries( CHOICES ).filter( ( [ name, options ] ) => options.indexOf( scene[ name ] ) > 0 ).map( ( [ name ] ) => [ name, scene[ name ] ] );
 	const models = [ 'table', 'against' ].filter( ( name ) => scene[ name ] ).map( ( name ) => [ name, scene[ name ] ] );
 	const lights = scene.lights.flatMap( ( light, i ) => Object.entries( addedLight( i ) ).filter( ( [ name, value ] ) => light[ name ] !== value && light[ name ] !== 'file' ).map( ( [ name ] ) => [ named( i, name ), light[ name ] ] ) );
 	return new URLSearchParams( [ ...models, ...chosen, ...( scene.split === SPLIT ? [] : [ [ 'split', scene.split ] ] ), ...changed, ...( scene.lights.length > 1 ? [ [ 'lights', scene.lights.length ] ] : [] ), ...lights ] );
-
 }
 
 /** The corners of a regular polygon around the origin, clockwise from an angle. */
@@ -125,7 +115,6 @@ const regular = ( count, radius, first ) => Array.from( { length: count }, ( _, 
 
 /** A light in space: centre, half axes, normal of the side that emits light and faces the origin, corners of its polygon, and both ends. */
 export function placed( { shape, x, y, z, width, height } ) {
-
 	const centre = [ x, y, z ];
 	const normal = unit( scaled( centre, - 1 ), [ 0, 0, 1 ] );
 	const right = unit( cross( [ 0, 1, 0 ], normal ), [ 1, 0, 0 ] );
@@ -137,38 +126,31 @@ export function placed( { shape, x, y, z, width, height } ) {
 		// Some models support only polygons. For them, an octagon with the same area replaces the disk.
 		: shape === 'disk' ? regular( 8, Math.sqrt( Math.PI / ( 4 * Math.sin( Math.PI / 4 ) ) ), Math.PI / 8 ) : [];
 	return { centre, normal, along, across, vertices: flat.map( at ), at, ends: [ plus( centre, scaled( along, - 1 ) ), plus( centre, along ) ] };
-
 }
 
 /** Points on the outline of a light, as seen from `eye`. */
 export function outline( light, eye ) {
-
 	const { centre, along, vertices, at, ends } = placed( light );
 	if ( light.shape === 'disk' ) return regular( 32, 1, 0 ).map( at );
 	if ( vertices.length ) return vertices;
 	const way = unit( plus( centre, scaled( eye, - 1 ) ), [ 0, 0, 1 ] );
 	const radius = light.shape === 'sphere' ? light.width : light.height;
 	const circle = ( middle, first, from, count, turn ) => Array.from( { length: count }, ( _, i ) => {
-
 		const angle = from + turn * i / ( count - 1 );
 		return plus( middle, scaled( first, radius * Math.cos( angle ) ), scaled( unit( cross( way, first ), first ), radius * Math.sin( angle ) ) );
-
 	} );
 	if ( light.shape === 'sphere' ) return circle( centre, unit( cross( [ 0, 1, 0 ], way ), [ 1, 0, 0 ] ), 0, 33, 2 * Math.PI );
 	// A tube or line has half a circle around each end, perpendicular to the direction to the eye.
 	const across = unit( plus( along, scaled( way, - dot( along, way ) ) ), [ 1, 0, 0 ] );
 	return [ ...circle( ends[ 0 ], across, Math.PI / 2, 9, Math.PI ), ...circle( ends[ 1 ], across, - Math.PI / 2, 9, Math.PI ) ];
-
 }
 
 /** The uniforms of the lights, and `shapes`, which has a bit for each shape in the scene and a bit for pictures. The pictures are layers of a texture, in the order of their lights. */
 export function uniformsOf( lights ) {
-
 	const four = ( v, w = 0 ) => [ ...v, w ];
 	const made = { light_count: lights.length, light_shape: [], light_picture: [], light_corners: [], light_radiance: [], light_centre: [], light_x: [], light_y: [], light_normal: [], light_vertices: [] };
 	let layers = 0;
 	for ( const light of lights ) {
-
 		const { centre, normal, along, across, vertices, ends } = placed( light );
 		const shape = { disk: 1, sphere: 2, tube: 2, line: 3 }[ light.shape ] ?? 0;
 		const isSolid = shape > 1;
@@ -185,35 +167,27 @@ export function uniformsOf( lights ) {
 		made.light_y.push( four( across, 1 / dot( across, across ) ) );
 		made.light_normal.push( four( normal, area ) );
 		for ( let i = 0; i < 8; i ++ ) made.light_vertices.push( four( vertices[ i ] || [ 0, 0, 0 ], ( upTo[ i ] || 0 ) / area ) );
-
 	}
 
 	return { uniforms: made, shapes: made.light_shape.reduce( ( bits, shape ) => bits | 1 << shape, layers && 16 ) };
-
 }
 
 /** A camera that looks at the origin: position `eye`, unit vector `forward`, and `right` and `up` from the centre of the image to its edges at distance one. */
 export function camera( { camera_azimuth: azimuth, camera_elevation: elevation, camera_distance: distance } ) {
-
 	const back = [ Math.sin( azimuth ) * Math.cos( elevation ), Math.sin( elevation ), Math.cos( azimuth ) * Math.cos( elevation ) ];
 	const right = [ Math.cos( azimuth ), 0, - Math.sin( azimuth ) ];
 	const half = Math.tan( FIELD_OF_VIEW / 2 );
 	return { eye: scaled( back, distance ), forward: scaled( back, - 1 ), right: scaled( right, half ), up: scaled( cross( back, right ), half ), half };
-
 }
 
 /** Projects a point to the image, which is a square from -1 to 1, and adds its distance. Returns null for a point behind the camera. */
 export function projected( { eye, forward, right, up, half }, point ) {
-
 	const way = plus( point, scaled( eye, - 1 ) );
 	const distance = dot( way, forward );
 	return distance > 1e-3 ? { x: dot( way, right ) / ( half * half * distance ), y: dot( way, up ) / ( half * half * distance ), distance } : null;
-
 }
 
 /** The vector by which a point moves in the scene if it moves by x and y in the image. */
 export function moved( { right, up }, distance, x, y ) {
-
 	return plus( scaled( right, x * distance ), scaled( up, y * distance ) );
-
 }

@@ -152,7 +152,5 @@ export const picturesOf = ( kind ) => `${ { normals: 'normals', engines: 'engine
 
 /** The fragment shader of a kind of model. `shapes` has a bit for each shape of the lights. `text` is the shader text of the service. It sets the precisions. */
 export function modelShader( kind, text, shapes ) {
-
 	return `#version 300 es\n${ text || 'precision highp float;\nprecision highp int;\n' }\n#define SHAPES_USED ${ shapes }\nuniform float picture_base;\n${ SURFACE_POINT }${ LIGHTS }${ BODIES[ kind ] }${ MAIN }`;
-
 }

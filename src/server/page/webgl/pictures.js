@@ -25,7 +25,6 @@ void main() {
  * levels. Both are arrays with a layer per picture. `run` draws a program. `text` is the shader text of the service.
  */
 export function pictures( gl, run, text, width, height, layers ) {
-
 	const last = Math.floor( Math.log2( Math.max( width, height ) ) );
 	const levelTarget = ( level ) => target( gl, [ gl.RGBA16F ], Math.max( width >> level, 1 ), Math.max( height >> level, 1 ) );
 	const passes = Object.fromEntries( Object.keys( PASSES ).map( ( pass ) => [ pass, program( gl, passShader( text, pass ) ) ] ) );
@@ -40,9 +39,7 @@ export function pictures( gl, run, text, width, height, layers ) {
 	const halved = ( level ) => level ? chain[ level - 1 ].textures[ 0 ] : picture;
 
 	function pass( name, to, level, source, above = source ) {
-
 		run( passes[ name ], to, { width, height, at_level: level }, [ { name: 'prefilter_source', texture: source }, { name: 'prefilter_above', texture: above } ] );
-
 	}
 
 	return {
@@ -51,7 +48,6 @@ export function pictures( gl, run, text, width, height, layers ) {
 		base: Math.log2( Math.sqrt( width * height ) ) - 1,
 		/** Prefilters a canvas of the pictures' size into a layer. Returns the number of draw calls. */
 		update( canvas, layer ) {
-
 			gl.bindTexture( gl.TEXTURE_2D, picture );
 			gl.texSubImage2D( gl.TEXTURE_2D, 0, 0, 0, gl.RGBA, gl.UNSIGNED_BYTE, canvas );
 			gl.bindTexture( gl.TEXTURE_2D_ARRAY, shown );
@@ -62,27 +58,19 @@ export function pictures( gl, run, text, width, height, layers ) {
 			for ( let level = last - 1; level >= 0; level -- ) pass( 'level', levels[ level ], level, halved( level ), levels[ level + 1 ].textures[ 0 ] );
 			gl.bindTexture( gl.TEXTURE_2D_ARRAY, pyramids );
 			levels.forEach( ( { framebuffer, width, height }, level ) => {
-
 				gl.bindFramebuffer( gl.FRAMEBUFFER, framebuffer );
 				gl.copyTexSubImage3D( gl.TEXTURE_2D_ARRAY, level, 0, 0, layer, 0, 0, width, height );
-
 			} );
 			return chain.length + levels.length + 1;
-
 		},
 		release() {
-
 			for ( const { framebuffer, textures } of [ ...chain, ...levels, rows ] ) {
-
 				gl.deleteFramebuffer( framebuffer );
 				gl.deleteTexture( textures[ 0 ] );
-
 			}
 
 			for ( const made of [ picture, shown, pyramids ] ) gl.deleteTexture( made );
 			for ( const { made } of Object.values( passes ) ) gl.deleteProgram( made );
-
 		},
 	};
-
 }

@@ -114,7 +114,5 @@ void main() {
 
 /** The fragment shader that adds samples of a scattering model. `shapes` has a bit for each shape of the lights. */
 export function referenceShader( brdf, shapes ) {
-
 	return `#version 300 es\nprecision highp float;\nprecision highp int;\n#define SHAPES_USED ${ shapes }\n${ SURFACE_POINT }${ LIGHTS }${ SAMPLED_LIGHTS }${ SAMPLING }${ BRDFS[ brdf ] }${ SUM }`;
-
 }
