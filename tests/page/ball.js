@@ -4,7 +4,7 @@ import { withWorld } from './world.js';
 
 await withWorld( async ( { open } ) => {
 
-	const page = await open( 'viewer' );
+	const page = await open( 'viewer?size=512&glow=off' );
 	const geometry = await page.evaluate( async () => {
 
 		const { shaderBall } = await import( './page/viewer/shader_ball.js' );
@@ -52,9 +52,11 @@ await withWorld( async ( { open } ) => {
 	await page.reload();
 	await page.locator( '.page-viewer .facts' ).waitFor();
 	const kept = await page.locator( '#view-surface' ).inputValue();
+	const sampled = () => page.waitForFunction( () => Number( document.querySelector( '.stage canvas' ).dataset.samples ) >= 512 );
+	await sampled();
 	const ours = await bytes();
 	await page.locator( '#view-show' ).selectOption( 'reference' );
-	await page.waitForFunction( () => Number( document.querySelector( '.stage canvas' ).dataset.samples ) >= 256 );
+	await sampled();
 	const reference = await bytes();
 	// The ball, the foot, the background next to the neck, and a corner of the image.
 	const places = [ [ 215, 190 ], [ 256, 345 ], [ 316, 310 ], [ 500, 500 ] ].map( ( [ x, y ] ) => ours[ 512 * y + x ] );

@@ -6,7 +6,7 @@ import { withWorld } from './world.js';
 await withWorld( async ( { open } ) => {
 
 	const material = { pbrMetallicRoughness: { metallicFactor: 1, roughnessFactor: Math.sqrt( 0.2 ), baseColorFactor: [ 0.91, 0.92, 0.92, 1 ] }, extensions: { KHR_materials_anisotropy: { anisotropyStrength: Math.sqrt( 0.375 ), anisotropyRotation: 0.6 } } };
-	const page = await open( 'viewer?show=model&rotation=0.6&alpha_x=0.5&alpha_y=0.2' );
+	const page = await open( 'viewer?size=512&glow=off&diffuse=off&spp=2&show=model&rotation=0.6&alpha_x=0.5&alpha_y=0.2' );
 	/** The bytes in the middle of the sphere. */
 	const bytes = () => page.evaluate( () => {
 

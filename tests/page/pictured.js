@@ -79,7 +79,7 @@ await withWorld( async ( { service, open } ) => {
 
 	const shown = async ( scene ) => {
 
-		await page.evaluate( ( hash ) => location.hash = hash, `#/viewer?${ new URLSearchParams( scene ) }` );
+		await page.evaluate( ( hash ) => location.hash = hash, `#/viewer?${ new URLSearchParams( { size: SIZE, glow: 'off', diffuse: 'off', spp: scene.show === 'reference' ? 1024 : 2, ...scene } ) }` );
 		await page.locator( '.page-viewer .facts' ).waitFor();
 
 	};
@@ -139,7 +139,7 @@ await withWorld( async ( { service, open } ) => {
 
 	// Compare the reference with `--truth`.
 	await shown( { ...plastic, show: 'reference' } );
-	await page.waitForFunction( () => Number( document.querySelector( '.stage canvas' ).dataset.samples ) >= 512 );
+	await page.waitForFunction( () => Number( document.querySelector( '.stage canvas' ).dataset.samples ) >= 1024 );
 	const truly = await pixelsAt();
 	const sum = ( pixels ) => pixels.flat().reduce( ( a, b ) => a + b, 0 );
 	const reference = sum( truly.pixels ) / sum( byte( plastic, truly.png, [ '--truth' ], 'true_' ) ) - 1;

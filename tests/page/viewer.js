@@ -88,7 +88,7 @@ await withWorld( async ( { service, open } ) => {
 	const apart = ( one, other ) => Math.max( ...one.flat().map( ( value, i ) => Math.abs( value - other.flat()[ i ] ) ) );
 	const shown = async ( scene ) => {
 
-		await page.evaluate( ( hash ) => location.hash = hash, `#/viewer?${ new URLSearchParams( scene ) }` );
+		await page.evaluate( ( hash ) => location.hash = hash, `#/viewer?${ new URLSearchParams( { size: SIZE, glow: 'off', diffuse: 'off', spp: scene.show === 'reference' ? 1024 : 2, ...scene } ) }` );
 		// The figures appear once the image is drawn.
 		await page.locator( '.page-viewer .facts' ).waitFor();
 
@@ -156,7 +156,7 @@ await withWorld( async ( { service, open } ) => {
 
 	// With the same model on both sides, there is no difference.
 	await shown( { table: reflected, against: reflected, show: 'difference' } );
-	const same = Math.max( ...( await pixels( null, PLACES ) ).flat() );
+	const same = Math.max( ...( await pixels( null, PLACES ) ).map( ( pixel ) => Math.max( ...pixel ) - Math.min( ...pixel ) ) );
 	// A link can name `normals` for the right side. It must not be in the list of tables.
 	await shown( { table: reflected, against: 'normals' } );
 	const [ beside, tables ] = [ await page.locator( '#against option:checked' ).innerText(), await page.locator( '#model option' ).allInnerTexts() ];

@@ -4,7 +4,7 @@ import { SMALL, withWorld } from './world.js';
 
 await withWorld( async ( { service, open } ) => {
 
-	const page = await open( 'viewer?rotation=0.3' );
+	const page = await open( 'viewer?rotation=0.3&size=512&spp=64&glow=off' );
 	/** Bytes from the left half of the image, which shows the model. */
 	const bytes = () => page.evaluate( () => {
 
@@ -19,16 +19,16 @@ await withWorld( async ( { service, open } ) => {
 
 	// Drags the camera and the light. Reloading the page shows the same scene.
 	const stage = await page.locator( '.stage svg' ).boundingBox();
-	const drag = async ( x, y ) => {
+	const drag = async ( x, y, dx = 60, dy = 30 ) => {
 
 		await page.mouse.move( stage.x + x, stage.y + y );
 		await page.mouse.down();
-		await page.mouse.move( stage.x + x + 60, stage.y + y + 30, { steps: 3 } );
+		await page.mouse.move( stage.x + x + dx, stage.y + y + dy, { steps: 3 } );
 		await page.mouse.up();
 
 	};
 
-	await drag( stage.width / 2, stage.height * 0.9 );
+	await drag( stage.width * 0.6, stage.height * 0.9 );
 	await page.waitForFunction( () => location.hash.includes( 'camera_azimuth' ) );
 	const before = await page.locator( '.stage polygon' ).getAttribute( 'points' );
 	const middle = before.split( ' ' ).map( ( pair ) => pair.split( ',' ).map( Number ) ).reduce( ( [ a, b ], [ x, y ] ) => [ a + x / 4, b + y / 4 ], [ 0, 0 ] );
@@ -42,6 +42,28 @@ await withWorld( async ( { service, open } ) => {
 	await page.locator( '#view-light_x' ).waitFor();
 	const kept = await page.locator( '#view-light_x' ).inputValue() === value && await page.locator( '#view-split' ).inputValue() === '0.3' && await page.evaluate( () => location.hash ) === hash;
 	await page.locator( '#view-split' ).fill( '0.5' );
+	// The wheel, keys, the border and a double click. The page must not scroll.
+	const number = ( name ) => page.locator( `#view-${ name }` ).inputValue().then( Number );
+	await page.mouse.move( stage.x + stage.width * 0.7, stage.y + stage.height * 0.9 );
+	await page.mouse.wheel( 0, 200 );
+	await page.waitForFunction( () => location.hash.includes( 'camera_distance' ) );
+	const gestures = { zoomed: await number( 'camera_distance' ), scrolled: await page.evaluate( () => window.scrollY ) };
+	await page.locator( '.stage svg' ).focus();
+	for ( const key of [ '+', '+', 'ArrowLeft', ']' ] ) await page.keyboard.press( key );
+	gestures.keys = [ await number( 'camera_distance' ), await number( 'camera_azimuth' ), await number( 'split' ) ];
+	await page.mouse.move( stage.x + stage.width * 0.55, stage.y + stage.height * 0.1 );
+	await page.mouse.down();
+	await page.mouse.move( stage.x + stage.width * 0.75, stage.y + stage.height * 0.1, { steps: 4 } );
+	await page.mouse.up();
+	gestures.border = await number( 'split' );
+	await page.mouse.dblclick( stage.x + stage.width * 0.3, stage.y + stage.height * 0.9 );
+	gestures.reset = [ await number( 'camera_distance' ), await number( 'camera_azimuth' ), await number( 'camera_elevation' ) ];
+	const handle = await page.locator( '.stage .turn' ).boundingBox();
+	await drag( handle.x + handle.width / 2 - stage.x, handle.y + handle.height / 2 - stage.y, - 25, 25 );
+	const moved = await page.locator( '.stage .turn' ).boundingBox();
+	gestures.turned = [ moved.x - handle.x, moved.y - handle.y ];
+	await page.locator( '#view-light_yaw' ).fill( '0' );
+	await page.locator( '#view-light_pitch' ).fill( '0' );
 	// Adds a light, makes it a tube, drags it away from the camera, and removes it.
 	await page.getByRole( 'button', { name: 'Add' } ).click();
 	await page.locator( '#view-light_shape' ).selectOption( 'tube' );
@@ -80,6 +102,6 @@ await withWorld( async ( { service, open } ) => {
 	const listed = await service.fit( { ...SMALL, layout: 'materials', materials: [ { alpha: 0.3 } ], resolution: { theta: 2, phi: 2 } } );
 	await page.evaluate( ( hash ) => location.hash = hash, `#/viewer?table=${ listed }` );
 	const unlisted = await page.locator( '.page-viewer .notice', { hasText: 'list of materials' } ).textContent();
-	return { kept, outlines, linked, left, restored, refused, unlisted };
+	return { gestures, kept, outlines, linked, left, restored, refused, unlisted };
 
 } );

@@ -1,7 +1,8 @@
 // Shows the page named in the address after `#`, and whether the service responds.
 
-import { el, fill, notice } from './elements/dom.js';
+import { el, fill, notice, takeDrops } from './elements/dom.js';
 import { call, watchService } from './service/api.js';
+import { keep } from './service/kept.js';
 
 /** Loads the module of a page. `rest` is the part of the address after the page's name. A module exports `show( root, rest, parameters, signal )`, which may return a function that refreshes the page. */
 const PAGES = {
@@ -85,6 +86,14 @@ document.querySelector( '.skip' ).addEventListener( 'click', ( event ) => {
 	// Following the link would change the part after `#`, which names the page.
 	event.preventDefault();
 	main.focus();
+} );
+
+// A scene can be dropped on every page. The viewer shows it.
+takeDrops( document, async ( file ) => {
+	await keep( file );
+	const hash = `#/viewer?${ new URLSearchParams( { table: 'engines', surface: 'mesh', mesh: file.name } ) }`;
+	if ( location.hash === hash ) show();
+	else location.hash = hash;
 } );
 
 showVersion();

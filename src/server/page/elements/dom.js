@@ -81,10 +81,11 @@ export function fileField( id, accept, label, take, kind = 'button quiet' ) {
 	return [ input, el( 'label', { for: id, class: kind }, label ) ];
 }
 
-/** Calls `take` with the file that a user drops on an element. */
+/** Calls `take` with the file that a user drops on an element, unless an element inside has taken it. */
 export function takeDrops( element, take ) {
 	element.addEventListener( 'dragover', ( event ) => event.preventDefault() );
 	element.addEventListener( 'drop', ( event ) => {
+		if ( event.defaultPrevented ) return;
 		event.preventDefault();
 		const [ file ] = event.dataTransfer.files;
 		if ( file ) take( file );

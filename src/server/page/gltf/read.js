@@ -111,9 +111,10 @@ export function materialOf( { pbrMetallicRoughness: pbr = {}, normalTexture, ext
 	const metal = Math.min( 1, Math.max( 0, numberOf( pbr.metallicFactor, 1 ) ) );
 	const base = [ 0, 1, 2 ].map( ( c ) => numberOf( pbr.baseColorFactor?.[ c ], 1 ) );
 	const f0 = base.map( ( colour ) => dielectric + ( colour - dielectric ) * metal );
+	const diffuse = base.map( ( colour ) => colour * ( 1 - metal ) );
 	// Textures multiply these factors.
 	const factors = { base, factors: [ metal, Math.sqrt( alpha ), dielectric, strength * strength ], normal_scale: numberOf( normalTexture?.scale, 1 ) };
-	return { factors, alpha_x: alpha + ( 1 - alpha ) * strength * strength, alpha_y: alpha, rotation: numberOf( anisotropyRotation, 0 ), f0 };
+	return { factors, alpha_x: alpha + ( 1 - alpha ) * strength * strength, alpha_y: alpha, rotation: numberOf( anisotropyRotation, 0 ), f0, diffuse };
 }
 
 /** The local matrix of a node, by columns. */

@@ -1,78 +1,80 @@
-// The viewer: compares tables, models without a table and the shading of engines with the reference or with each other, on the user's GPU.
+// The viewer: compares tables, models without a table and the shading of engines with the truth or with each other, on the user's GPU.
 
-import { bar, copyButton, el, facts, fileField, fill, muted, notice, svg, takeDrops } from '../elements/dom.js';
-import { short, whole } from '../elements/format.js';
+import { bar, copyButton, el, facts, fileField, fill, muted, notice, takeDrops } from '../elements/dom.js';
+import { number, percent, short, whole } from '../elements/format.js';
 import { call } from '../service/api.js';
-import { choice, drag, slider } from '../viewer/controls.js';
+import { keep, kept } from '../service/kept.js';
+import { choice, slider } from '../viewer/controls.js';
 import { lightsPanel } from '../viewer/lights.js';
 import { modelOf, NAMED, textOf } from '../viewer/models.js';
-import { camera, CHOICES, isPictured, link, METALS, moved, outline, PARAMETERS, placed, projected, read, uniformsOf } from '../viewer/scene.js';
-import { shaderBall } from '../viewer/shader_ball.js';
-import { device } from '../webgl/device.js';
+import { picture } from '../viewer/picture.js';
+import { CHOICES, DIFFUSE, isPictured, link, MOST_PIXELS, PARAMETERS, read } from '../viewer/scene.js';
+import { stage } from '../viewer/stage.js';
 
-/** Pixels per side of the picture. */
-const SIZE = 512;
-/** Number of samples per frame, and of a finished reference. */
-const [ PER_FRAME, MOST ] = [ 8, 1024 ];
-/** The difference in radiance at the end of the colour scale. */
-const DIFFERENCE = 0.2;
 /** Members of the scene that do not affect the samples, only their display. */
-const SHOWN = [ 'show', 'split', 'exposure' ];
+const SHOWN = [ 'show', 'split', 'exposure', 'glow' ];
 
 /** The sides to show: name in a link, and label. */
-const SIDES = [ [ 'split', 'both' ], [ 'model', 'left' ], [ 'reference', 'right' ], [ 'difference', 'difference' ] ];
+const SIDES = [ [ 'split', 'both' ], [ 'model', 'left' ], [ 'reference', 'right' ], [ 'difference', 'left minus right' ] ];
 
 /** The surfaces: name in a link, and label. */
-const SURFACES = CHOICES.surface.map( ( name ) => [ name, name.replace( '_', ' ' ) ] );
+const SURFACES = CHOICES.surface.slice( 0, - 1 ).map( ( name ) => [ name, name.replace( '_', ' ' ) ] );
+
+/** The name of Monte Carlo integration. */
+const TRUTH = 'Monte Carlo integration';
 
 export async function show( root, rest, parameters, signal ) {
 	const scene = read( parameters );
-	const canvas = el( 'canvas', { width: SIZE, height: SIZE, role: 'img', 'aria-label': 'The surface under the lights' } );
-	const border = svg( 'line' );
-	const overlay = svg( 'svg', { viewBox: '-1 -1 2 2', 'aria-hidden': 'true' }, border );
-	const outlines = [];
+	const canvas = el( 'canvas', { width: 64, height: 64, role: 'img', 'aria-label': 'The surface under the lights' } );
 	const figures = el( 'div' );
 	const { items } = await call( '/v1/tables?limit=200', { signal } );
 	const known = [ ...new Set( [ scene.table, scene.against, ...items.map( ( { digest } ) => digest ) ] ) ].filter( ( name ) => name && name !== 'normals' && ! Object.hasOwn( NAMED, name ) );
 	const models = [ ...Object.entries( NAMED ), ...known.map( ( digest ) => [ digest, `table ${ short( digest ) }` ] ) ];
+	const lefts = [ [ '', 'normals, no table' ], ...models ];
+	const rights = [ [ '', TRUTH ], [ 'normals', 'normals, no table' ], ...models ];
 	const chosen = ( name, label, options, id = `view-${ name }` ) => choice( id, label, options, scene[ name ], ( value ) => change( name, value ) );
-	const table = chosen( 'table', 'Left side', [ [ '', 'normals, no table' ], ...models ], 'model' );
-	const against = chosen( 'against', 'Right side', [ [ '', 'Monte Carlo integration' ], [ 'normals', 'normals, no table' ], ...models ], 'against' );
+	const table = chosen( 'table', 'Left side', lefts, 'model' );
+	const against = chosen( 'against', 'Right side', rights, 'against' );
 	const [ surface, metal, sides ] = [ chosen( 'surface', 'Surface', SURFACES ), chosen( 'metal', 'Material', CHOICES.metal ), chosen( 'show', 'Show', SIDES ) ];
+	const [ glow, diffuse ] = [ chosen( 'glow', 'Lights', [ [ 'on', 'shown' ], [ 'off', 'hidden' ] ] ), chosen( 'diffuse', 'Diffuse part', CHOICES.diffuse ) ];
 	const sliders = PARAMETERS.map( ( field ) => slider( field, '', change ) );
-	const split = slider( { name: 'split', label: 'Split at', min: 0, max: 1, step: 0.01 }, '', change );
+	const split = slider( { name: 'split', label: 'Border at', min: 0, max: 1, step: 0.01 }, '', change );
 	const opened = el( 'div', { role: 'status' } );
 	const group = ( legend, ...rows ) => el( 'fieldset', {}, el( 'legend', {}, legend ), rows );
 	const rows = ( ...names ) => sliders.filter( ( { name } ) => names.some( ( prefix ) => name.startsWith( prefix ) ) ).map( ( { row } ) => row );
 	const ofSurface = el( 'div', { class: 'controls' }, metal.row, rows( 'alpha', 'rotation' ) );
 	const lights = lightsPanel( scene, () => change( 'lights', scene.lights ), () => restart() );
+	let pointed = null;
+	const overlay = stage( scene, lights, change, ( place ) => {
+		pointed = place;
+		requestFrame();
+	} );
+	const place = el( 'div', { class: 'stage' }, canvas, overlay.root );
 
 	fill( root,
 		bar( 'Viewer', null, copyButton( 'Copy link', () => location.href ) ),
 		el( 'div', { class: 'view' },
-			el( 'div', {}, el( 'div', { class: 'stage' }, canvas, overlay ),
-				muted( 'Drag to orbit. Drag a light to move it. Hold Shift to move it nearer or farther.' ), figures ),
+			el( 'div', { class: 'shown' }, place, muted( 'Drag to orbit, scroll or pinch to zoom, double-click to reset. Drag a light or its two handles; hold Shift to move it nearer or farther.' ), figures ),
 			el( 'form', { class: 'controls', onsubmit: ( event ) => event.preventDefault() },
 				group( 'Compare', table.row, against.row, sides.row, split.row ),
-				group( 'Surface', surface.row, el( 'div', { class: 'field' }, el( 'label', { for: 'mesh' }, 'glTF' ), el( 'div', { class: 'file' }, fileField( 'mesh', '.glb,.gltf', 'Open or drop a file', open ) ) ), opened, ofSurface ),
-				group( 'Lights', lights.row ),
-				group( 'Camera', rows( 'camera', 'exposure' ) ) ) ) );
+				group( 'Surface', surface.row, el( 'div', { class: 'field' }, el( 'label', { for: 'mesh' }, 'glTF' ), el( 'div', { class: 'file' }, fileField( 'mesh', '.glb,.gltf', 'Open or drop a file', open ) ) ), opened, ofSurface, diffuse.row ),
+				group( 'Camera', rows( 'camera', 'exposure' ) ),
+				group( 'Lights', glow.row, lights.row ) ) ) );
 
 	/** The meshes of an opened glTF file. Links do not contain them. */
 	let mesh = null;
-	/** The WebGL device, or null if WebGL 2 is missing. */
-	let gpu = null;
-	/** The models of both sides, where null means the reference, and the shader text that prefilters pictures on lights. */
+	/** The picture, or null if WebGL 2 is missing. */
+	let drawn = null;
+	/** The models of both sides, where null means the truth, and the shader text that prefilters pictures on lights. */
 	let lit = null;
 	let prefilter = null;
 	let asked = 0;
-	let samples = 0;
-	let isDrawn = false;
-	let isMoving = false;
 	let isWaiting = false;
+	/** Result of the last frame, or null after a change. */
+	let last = null;
 
 	function start() {
-		gpu = device( canvas );
+		drawn = picture( canvas );
 		restart();
 	}
 
@@ -81,10 +83,15 @@ export async function show( root, rest, parameters, signal ) {
 	// Browsers restore a lost context only if the default action is prevented.
 	canvas.addEventListener( 'webglcontextlost', ( event ) => signal.aborted || event.preventDefault() );
 	canvas.addEventListener( 'webglcontextrestored', start );
+	const resized = new ResizeObserver( () => size() !== canvas.width && restart() );
 	signal.addEventListener( 'abort', () => {
-		gpu?.release();
+		resized.disconnect();
+		drawn?.release();
 		lights.release();
 	} );
+
+	/** Pixels per side: those of the screen, or the number in the link. */
+	const size = () => scene.size || Math.min( MOST_PIXELS, Math.max( 64, Math.round( place.clientWidth * devicePixelRatio ) ) );
 
 	/** Loads the models that are selected in the scene. */
 	async function choose() {
@@ -109,20 +116,30 @@ export async function show( root, rest, parameters, signal ) {
 			const { meshes, triangles, notes } = await readGltf( await file.arrayBuffer() );
 			if ( signal.aborted ) return;
 			mesh = meshes;
+			keep( file );
 			surface.offer( [ ...SURFACES, [ 'mesh', file.name ] ], 'mesh' );
 			fill( opened, muted( [ `${ whole( triangles ) } triangles, ${ meshes.length } material${ meshes.length > 1 ? 's' : '' }`, ...notes ].join( '; ' ) ) );
+			scene.mesh = file.name;
 			change( 'surface', 'mesh' );
 		} catch ( error ) {
 			fill( opened, notice( `${ file.name }: ${ error.message }` ) );
 		}
 	}
 
-	takeDrops( canvas.parentElement, open );
+	/** Opens the file that the link names, if this browser keeps it. */
+	async function reopen() {
+		const file = await kept();
+		if ( file && file.name === scene.mesh ) return open( file );
+		fill( opened, notice( `This browser does not have ${ scene.mesh || 'the glTF file' } of the link. Drop the file here to see it.` ) );
+		change( 'surface', CHOICES.surface[ 0 ] );
+	}
+
+	takeDrops( place, open );
 
 	/** Draws the scene again, starting with the first sample. */
 	function restart() {
-		samples = 0;
-		isDrawn = false;
+		drawn?.restart();
+		last = null;
 		requestFrame();
 	}
 
@@ -141,6 +158,7 @@ export async function show( root, rest, parameters, signal ) {
 		lights.show();
 		// A glTF file has its own materials.
 		ofSurface.hidden = scene.surface === 'mesh';
+		diffuse.row.hidden = scene.surface !== 'mesh' && ! DIFFUSE[ scene.metal ];
 	}
 
 	function requestFrame() {
@@ -151,97 +169,49 @@ export async function show( root, rest, parameters, signal ) {
 
 	function frame() {
 		isWaiting = false;
-		outlineLights();
-		if ( signal.aborted || ! lit || ! gpu || gpu.isLost() ) return;
-		const since = performance.now();
-		let calls = 0;
+		overlay.draw();
+		if ( signal.aborted || ! lit || ! drawn || drawn.isLost() || scene.surface === 'mesh' && ! mesh ) return;
 		try {
-			calls = draw();
+			last = drawn.draw( scene, size(), mesh, lit, lights.layers, prefilter );
+			showFigures();
 		} catch ( error ) {
 			return failed( error );
 		}
+		if ( last.isMoving ) restart();
+		else if ( ! last.isDone ) requestFrame();
+	}
 
+	/** The error of a side, and its value under the pointer. */
+	function row( name, error, value, truth ) {
+		const away = value !== null && value !== undefined && truth ? ` (${ value < truth ? '−' : '+' }${ percent( Math.abs( value / truth - 1 ) ) })` : '';
+		return el( 'tr', {}, el( 'th', { scope: 'row' }, name ), [ error && percent( error.mean, 2 ), error && percent( error.worst, 0 ), `${ number( value ) }${ away }` ].map( ( text ) => el( 'td', { class: 'number' }, text ?? '–' ) ) );
+	}
+
+	function showFigures() {
 		const [ left, right ] = lit;
-		const isReference = ! right && scene.show !== 'model';
-		canvas.dataset.samples = right ? MOST : samples;
+		const { samples, milliseconds, calls, errors, scale } = last;
+		const { width } = canvas;
+		const at = pointed ? drawn.at( ...[ pointed[ 0 ], 1 - pointed[ 1 ] ].map( ( part ) => Math.min( width - 1, Math.max( 0, Math.floor( part * width ) ) ) ) ) : {};
+		const label = ( options, value ) => options.find( ( [ name ] ) => name === value )?.[ 1 ];
+		canvas.dataset.samples = samples;
+		canvas.dataset.errors = JSON.stringify( errors );
 		fill( figures,
-			facts( [ [ 'Samples', isReference ? samples : '–' ], [ 'Frame time', `${ ( performance.now() - since ).toFixed( 1 ) } ms` ], [ 'Draw calls', calls ] ] ),
-			right && right.brdf !== left.brdf ? muted( `Two scattering models: ${ left.brdf } on the left, ${ right.brdf } on the right. Both use the colour of the left side.` ) : null,
-			scene.show === 'difference' ? el( 'div', { class: 'scale muted' }, el( 'span', {}, 'no difference' ), el( 'span', { class: 'ramp difference' } ), el( 'span', {}, `radiance differs by ${ DIFFERENCE } or more` ) ) : null );
-		if ( isMoving ) restart();
-		else if ( isReference && samples < MOST ) requestFrame();
+			el( 'div', { class: 'scroll' }, el( 'table', { class: 'figures' },
+				el( 'thead', {}, el( 'tr', {}, [ 'Error against the truth', 'mean', 'worst', 'at the pointer' ].map( ( name, i ) => el( 'th', { scope: 'col', class: i ? 'number' : null }, name ) ) ) ),
+				el( 'tbody', {},
+					row( `Left: ${ label( lefts, scene.table ) }`, errors?.sides[ 0 ], at.left, at.truth ),
+					right ? row( `Right: ${ label( rights, scene.against ) }`, errors?.sides[ 1 ], at.right, at.truth ) : null,
+					row( `${ right ? 'Truth' : 'Right' }: ${ TRUTH }`, null, at.truth, null ) ) ) ),
+			scene.show === 'difference' ? el( 'div', { class: 'scale muted' }, el( 'span', {}, `−${ number( scale ) }: left darker` ), el( 'span', { class: 'ramp signed' } ), el( 'span', {}, `left brighter: +${ number( scale ) }` ) ) : null,
+			facts( [ [ 'Samples', whole( samples ) ], [ 'Noise of the truth', errors ? percent( errors.noise, 2 ) : '–' ], [ 'Frame time', `${ milliseconds.toFixed( 1 ) } ms` ], [ 'Draw calls', calls ] ] ),
+			right && right.brdf !== left.brdf ? muted( `Two scattering models: ${ left.brdf } on the left, ${ right.brdf } on the right. Both use the colour of the left side.` ) : null );
 	}
 
-	/** Draws the changes since the last frame. Returns the number of draw calls. */
-	function draw() {
-		const { eye, right, up, forward, half } = camera( scene );
-		const { uniforms, shapes } = uniformsOf( scene.lights );
-		const numbers = { ...uniforms, eye, size: SIZE };
-		const [ left, other ] = lit;
-		let calls = 1;
-		if ( ! isDrawn ) {
-			const shown = lights.layers();
-			isMoving = shown.isMoving;
-			calls += gpu.picture( shown.layers, prefilter );
-			const isWhite = left.brdf !== 'ggx';
-			const ofMaterial = ( { alpha_x, alpha_y, rotation, f0, factors } ) => ( { ...factors, is_white: Number( isWhite ), f0: isWhite ? METALS.white : f0, material: [ alpha_x, alpha_y, Math.cos( rotation ), Math.sin( rotation ) ] } );
-			const view = { ...numbers, right, up, forward };
-			const own = { ...scene, f0: METALS[ scene.metal ] };
-			const meshes = { mesh, shader_ball: [ { numbers: shaderBall(), material: own } ] }[ scene.surface ];
-			if ( meshes ) gpu.drawMeshes( view, meshes.map( ( { material, ...of } ) => ( { ...of, ofMaterial: ofMaterial( material ) } ) ) );
-			else gpu.drawSurface( { ...view, ...ofMaterial( own ), pixel_width: 2 * half / SIZE, surface: CHOICES.surface.indexOf( scene.surface ) } );
-			gpu.light( 'left', left, numbers, shapes );
-			if ( other ) gpu.light( 'right', other, numbers, shapes );
-			calls += ( meshes?.length || 1 ) + ( other ? 2 : 1 );
-			isDrawn = true;
-		}
-
-		if ( ! other && scene.show !== 'model' && samples < MOST ) {
-			gpu.sample( left.brdf, numbers, shapes, samples, PER_FRAME );
-			samples += PER_FRAME;
-			calls ++;
-		}
-
-		gpu.display( { size: SIZE, exposure: scene.exposure, split: scene.split, show: CHOICES.show.indexOf( scene.show ), difference_scale: DIFFERENCE }, other ? null : samples );
-		return calls;
-	}
-
-	/** Draws the outlines of the lights over the picture. Users can drag the outlines. */
-	function outlineLights() {
-		const from = camera( scene );
-		while ( outlines.length > scene.lights.length ) outlines.pop().remove();
-		while ( outlines.length < scene.lights.length ) outlines.push( dragged( outlines.length ) );
-		outlines.forEach( ( polygon, i ) => {
-			const points = outline( scene.lights[ i ], from.eye ).map( ( corner ) => projected( from, corner ) );
-			polygon.setAttribute( 'points', points.every( Boolean ) ? points.map( ( { x, y } ) => `${ x },${ - y }` ).join( ' ' ) : '' );
-			polygon.classList.toggle( 'other', i !== lights.chosen() );
-		} );
-		const at = scene.show === 'split' ? 2 * scene.split - 1 : 2;
-		for ( const [ name, value ] of Object.entries( { x1: at, x2: at, y1: - 1, y2: 1 } ) ) border.setAttribute( name, value );
-	}
-
-	function dragged( i ) {
-		const polygon = overlay.appendChild( svg( 'polygon' ) );
-		drag( polygon, ( x, y, isNear ) => {
-			const light = scene.lights[ i ];
-			const from = camera( scene );
-			const distance = projected( from, placed( light ).centre )?.distance || 0;
-			const way = isNear ? from.forward.map( ( part ) => 2 * y * part ) : moved( from, distance, x, y );
-			lights.take( i );
-			[ 'x', 'y', 'z' ].forEach( ( name, axis ) => light[ name ] = Number( ( light[ name ] + way[ axis ] ).toFixed( 3 ) ) );
-			change( 'lights', scene.lights );
-		} );
-		return polygon;
-	}
-
-	drag( overlay, ( x, y ) => {
-		const azimuth = scene.camera_azimuth - 2 * x;
-		change( 'camera_azimuth', azimuth - 2 * Math.PI * Math.round( azimuth / ( 2 * Math.PI ) ) );
-		change( 'camera_elevation', Math.min( 1.5, Math.max( - 1.5, scene.camera_elevation - 2 * y ) ) );
-	} );
 	showValues();
 	try {
 		start();
+		resized.observe( place );
+		if ( scene.surface === 'mesh' ) reopen();
 		choose();
 	} catch ( error ) {
 		failed( error );

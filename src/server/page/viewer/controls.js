@@ -31,22 +31,3 @@ export function choice( id, label, options, value, change ) {
 	offer( options, value );
 	return { row: el( 'div', { class: 'field' }, el( 'label', { for: id }, label ), select ), offer };
 }
-
-/** Calls `onMove` while the user drags an element. The arguments are the movement to the right and upwards, both relative to half of the picture's width, and whether Shift is pressed. */
-export function drag( element, onMove ) {
-	element.addEventListener( 'pointerdown', ( event ) => {
-		event.stopPropagation();
-		event.preventDefault();
-		element.setPointerCapture( event.pointerId );
-		const half = ( element.ownerSVGElement || element ).getBoundingClientRect().width / 2;
-		const ended = new AbortController();
-		let [ x, y ] = [ event.clientX, event.clientY ];
-		const move = ( to ) => {
-			onMove( ( to.clientX - x ) / half, ( y - to.clientY ) / half, to.shiftKey );
-			[ x, y ] = [ to.clientX, to.clientY ];
-		};
-
-		element.addEventListener( 'pointermove', move, { signal: ended.signal } );
-		element.addEventListener( 'lostpointercapture', () => ended.abort(), { once: true } );
-	} );
-}

@@ -2,7 +2,7 @@
 
 import { el, fill } from '../elements/dom.js';
 import { choice, slider } from './controls.js';
-import { addedLight, LIGHT_SHAPES, MOST_LIGHTS, OF_LIGHT } from './scene.js';
+import { addedLight, isFlat, LIGHT_SHAPES, LIT_SIDES, MOST_LIGHTS, OF_LIGHT } from './scene.js';
 import { screens } from './screens.js';
 
 /** The fields of a scene's lights. `changed` is called after each change, and `again` when the user starts or pauses a video. */
@@ -15,6 +15,9 @@ export function lightsPanel( scene, changed, again ) {
 	};
 
 	const shape = choice( 'view-light_shape', 'Shape', shapes, scene.lights[ 0 ].shape, ( value ) => change( 'shape', value ) );
+	const sides = choice( 'view-light_sides', 'Shines from', Object.entries( LIT_SIDES ), '', ( value ) => change( 'sides', value ) );
+	const tint = el( 'input', { type: 'color', id: 'view-light_colour', oninput: () => change( 'colour', tint.value ) } );
+	const colour = el( 'div', { class: 'field' }, el( 'label', { for: tint.id }, 'Colour' ), tint );
 	const shown = screens( ( value ) => change( 'picture', value ), again );
 	const sliders = OF_LIGHT.map( ( field ) => slider( field, 'light_', change ) );
 	const button = ( text, onclick ) => el( 'button', { type: 'button', class: 'quiet', onclick }, text );
@@ -37,8 +40,12 @@ export function lightsPanel( scene, changed, again ) {
 		add.disabled = scene.lights.length === MOST_LIGHTS;
 		remove.disabled = scene.lights.length === 1;
 		shape.offer( shapes, light.shape );
+		sides.offer( Object.entries( LIT_SIDES ), light.sides );
+		sides.row.hidden = ! isFlat( light );
+		tint.value = light.colour;
 		shown.show( light );
 		for ( const control of sliders ) control.show( light, { width, height }[ control.name ] );
+		for ( const { name, row } of sliders ) if ( [ 'yaw', 'pitch', 'roll' ].includes( name ) ) row.hidden = light.shape === 'sphere';
 	}
 
 	function choose( i ) {
@@ -49,7 +56,7 @@ export function lightsPanel( scene, changed, again ) {
 	}
 
 	return {
-		row: [ el( 'div', { class: 'bar' }, numbers, el( 'span', { class: 'grow' } ), add, remove ), shape.row, shown.row, sliders.map( ( { row } ) => row ) ],
+		row: [ el( 'div', { class: 'bar' }, numbers, el( 'span', { class: 'grow' } ), add, remove ), shape.row, colour, sides.row, shown.row, sliders.map( ( { row } ) => row ) ],
 		show,
 		take: ( i ) => chosen = i,
 		chosen: () => chosen,

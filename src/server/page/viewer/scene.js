@@ -10,7 +10,7 @@ export const PARAMETERS = numbers( [
 	[ 'rotation', 'Rotation', - 3.14, 3.14, 0.01, 0 ],
 	[ 'camera_azimuth', 'Azimuth', - 3.14, 3.14, 0.01, 0 ],
 	[ 'camera_elevation', 'Elevation', - 1.5, 1.5, 0.01, 0.2 ],
-	[ 'camera_distance', 'Distance', 2, 16, 0.01, 9 ],
+	[ 'camera_distance', 'Distance', 1.5, 16, 0.01, 9 ],
 	[ 'exposure', 'Exposure', 0.1, 8, 0.01, 1 ],
 ] );
 
@@ -21,6 +21,9 @@ export const OF_LIGHT = numbers( [
 	[ 'z', 'To the front', - 5, 5, 0.01, 1.2 ],
 	[ 'width', 'Half width', 0.05, 3, 0.01, 0.7 ],
 	[ 'height', 'Half height', 0.02, 3, 0.01, 0.45 ],
+	[ 'yaw', 'Turn', - 3.14, 3.14, 0.01, 0 ],
+	[ 'pitch', 'Tilt', - 3.14, 3.14, 0.01, 0 ],
+	[ 'roll', 'Roll', - 3.14, 3.14, 0.01, 0 ],
 	[ 'intensity', 'Radiance', 0.1, 20, 0.1, 3 ],
 ] );
 
@@ -43,27 +46,43 @@ export const LIGHT_SHAPES = {
 /** Pictures on rectangular lights: name in a link, and label. Opened files are not in this list. */
 export const PICTURES = { '': 'one colour', signs: 'a picture', disc: 'a video' };
 
+/** The sides that emit: name in a link, and label. */
+export const LIT_SIDES = { '': 'the front', both: 'both sides' };
+/** Whether a light has two sides, and can turn. */
+export const isFlat = ( { shape } ) => ! [ 'sphere', 'tube', 'line' ].includes( shape );
+
 /** Whether a light shows a picture. */
 export const isPictured = ( { shape, picture } ) => shape === 'rectangle' && picture !== '';
 
 /** Reflectances at normal incidence, linear sRGB. Sheen is always `white`. */
 export const METALS = { silver: [ 0.91, 0.92, 0.92 ], gold: [ 1, 0.71, 0.29 ], copper: [ 0.95, 0.64, 0.54 ], plastic: [ 0.04, 0.04, 0.04 ], white: [ 1, 1, 1 ] };
 
+/** Diffuse colours of the materials that have one. */
+export const DIFFUSE = { plastic: [ 0.05, 0.12, 0.4 ] };
+
 /** Parameters with a list of values. The first value is the default. */
 export const CHOICES = {
-	surface: [ 'sphere', 'floor', 'shader_ball' ],
+	surface: [ 'sphere', 'floor', 'shader_ball', 'mesh' ],
 	metal: Object.keys( METALS ),
 	show: [ 'split', 'model', 'reference', 'difference' ],
+	glow: [ 'on', 'off' ],
+	diffuse: [ 'on', 'off' ],
 };
+
+/** Largest number of pixels per side. */
+export const MOST_PIXELS = 1440;
+
+/** Parameters that only links have: pixels per side, where 0 stands for those of the screen, and samples of a finished truth. */
+const FIXED = [ { name: 'size', min: 64, max: MOST_PIXELS, step: 1, value: 0 }, { name: 'spp', min: 2, max: 4096, step: 2, value: 1024 } ];
 
 /** The angle of view from edge to edge in radians, as in the scene `sphere` of previews. */
 const FIELD_OF_VIEW = 0.5;
 
-const dot = ( a, b ) => a[ 0 ] * b[ 0 ] + a[ 1 ] * b[ 1 ] + a[ 2 ] * b[ 2 ];
+export const dot = ( a, b ) => a[ 0 ] * b[ 0 ] + a[ 1 ] * b[ 1 ] + a[ 2 ] * b[ 2 ];
 const cross = ( a, b ) => [ a[ 1 ] * b[ 2 ] - a[ 2 ] * b[ 1 ], a[ 2 ] * b[ 0 ] - a[ 0 ] * b[ 2 ], a[ 0 ] * b[ 1 ] - a[ 1 ] * b[ 0 ] ];
-const scaled = ( v, by ) => v.map( ( x ) => x * by );
-const plus = ( ...vectors ) => vectors.reduce( ( a, b ) => a.map( ( x, i ) => x + b[ i ] ) );
-const unit = ( v, otherwise ) => dot( v, v ) > 1e-24 ? scaled( v, 1 / Math.sqrt( dot( v, v ) ) ) : otherwise;
+export const scaled = ( v, by ) => v.map( ( x ) => x * by );
+export const plus = ( ...vectors ) => vectors.reduce( ( a, b ) => a.map( ( x, i ) => x + b[ i ] ) );
+export const unit = ( v, otherwise ) => dot( v, v ) > 1e-24 ? scaled( v, 1 / Math.sqrt( dot( v, v ) ) ) : otherwise;
 
 /** The name of a light's parameter in a link. */
 const named = ( i, name ) => `light${ i ? i + 1 : '' }_${ name }`;
@@ -71,13 +90,20 @@ const named = ( i, name ) => `light${ i ? i + 1 : '' }_${ name }`;
 /** The initial values of the light with index `i`. */
 export function addedLight( i ) {
 	const [ x, y, z ] = PLACES[ i ];
-	return { shape: 'rectangle', picture: '', ...Object.fromEntries( OF_LIGHT.map( ( { name, value } ) => [ name, value ] ) ), x, y, z };
+	return { shape: 'rectangle', picture: '', colour: '#ffffff', sides: '', ...Object.fromEntries( OF_LIGHT.map( ( { name, value } ) => [ name, value ] ) ), x, y, z };
 }
 
 /** The number in a text, clamped to its bounds, or `value` if the text is missing or malformed. */
 function within( { min, max }, text, value ) {
-	const given = text === null ? value : Number( text );
+	const given = text === null || text === '' ? value : Number( text );
 	return Number.isFinite( given ) ? Math.min( max, Math.max( min, given ) ) : value;
+}
+
+/** A value of a parameter within its bounds. An azimuth turns around instead. */
+export function bounded( name, value ) {
+	if ( name === 'camera_azimuth' ) return value - 2 * Math.PI * Math.round( value / ( 2 * Math.PI ) );
+	const { min, max } = [ ...PARAMETERS, ...OF_LIGHT ].find( ( field ) => field.name === name );
+	return Math.min( max, Math.max( min, value ) );
 }
 
 /** The default border between both sides, as a fraction of the width. */
@@ -85,7 +111,8 @@ const SPLIT = 0.5;
 
 /** Reads a scene from the parameters of a link. Missing and malformed values are replaced by defaults. Numbers are clamped to their bounds. */
 export function read( parameters ) {
-	const scene = { table: parameters.get( 'table' ) || '', against: parameters.get( 'against' ) || '', split: within( { min: 0, max: 1 }, parameters.get( 'split' ), SPLIT ) };
+	const scene = { table: parameters.get( 'table' ) || '', against: parameters.get( 'against' ) || '', split: within( { min: 0, max: 1 }, parameters.get( 'split' ), SPLIT ), mesh: parameters.get( 'mesh' ) || '' };
+	for ( const { name, step, value, ...bounds } of FIXED ) scene[ name ] = parameters.get( name ) ? step * Math.round( within( bounds, parameters.get( name ), value ) / step ) : value;
 	for ( const field of PARAMETERS ) scene[ field.name ] = within( field, parameters.get( field.name ), field.value );
 	for ( const [ name, options ] of Object.entries( CHOICES ) ) scene[ name ] = options.includes( parameters.get( name ) ) ? parameters.get( name ) : options[ 0 ];
 	const count = Math.round( within( { min: 1, max: MOST_LIGHTS }, parameters.get( 'lights' ), 1 ) );
@@ -96,6 +123,9 @@ export function read( parameters ) {
 		if ( Object.hasOwn( LIGHT_SHAPES, shape || '' ) ) light.shape = shape;
 		const picture = parameters.get( named( i, 'picture' ) ) || '';
 		if ( Object.hasOwn( PICTURES, picture ) ) light.picture = picture;
+		if ( parameters.get( named( i, 'sides' ) ) === 'both' ) light.sides = 'both';
+		const colour = parameters.get( named( i, 'colour' ) ) || '';
+		if ( /^#[0-9a-f]{6}$/.test( colour ) ) light.colour = colour;
 		return light;
 	} );
 	return scene;
@@ -105,20 +135,31 @@ export function read( parameters ) {
 export function link( scene ) {
 	const changed = PARAMETERS.filter( ( { name, value } ) => scene[ name ] !== value ).map( ( { name } ) => [ name, scene[ name ] ] );
 	const chosen = Object.entries( CHOICES ).filter( ( [ name, options ] ) => options.indexOf( scene[ name ] ) > 0 ).map( ( [ name ] ) => [ name, scene[ name ] ] );
-	const models = [ 'table', 'against' ].filter( ( name ) => scene[ name ] ).map( ( name ) => [ name, scene[ name ] ] );
+	const fixed = FIXED.filter( ( { name, value } ) => scene[ name ] !== value ).map( ( { name } ) => [ name, scene[ name ] ] );
+	const models = [ 'table', 'against', 'mesh' ].filter( ( name ) => scene[ name ] ).map( ( name ) => [ name, scene[ name ] ] );
 	const lights = scene.lights.flatMap( ( light, i ) => Object.entries( addedLight( i ) ).filter( ( [ name, value ] ) => light[ name ] !== value && light[ name ] !== 'file' ).map( ( [ name ] ) => [ named( i, name ), light[ name ] ] ) );
-	return new URLSearchParams( [ ...models, ...chosen, ...( scene.split === SPLIT ? [] : [ [ 'split', scene.split ] ] ), ...changed, ...( scene.lights.length > 1 ? [ [ 'lights', scene.lights.length ] ] : [] ), ...lights ] );
+	return new URLSearchParams( [ ...models, ...chosen, ...fixed, ...( scene.split === SPLIT ? [] : [ [ 'split', scene.split ] ] ), ...changed, ...( scene.lights.length > 1 ? [ [ 'lights', scene.lights.length ] ] : [] ), ...lights ] );
+}
+
+/** The linear channels of a colour such as `#ff8000`. */
+function linear( colour ) {
+	return [ 1, 3, 5 ].map( ( at ) => parseInt( colour.slice( at, at + 2 ), 16 ) / 255 ).map( ( v ) => v <= 0.04045 ? v / 12.92 : ( ( v + 0.055 ) / 1.055 ) ** 2.4 );
 }
 
 /** The corners of a regular polygon around the origin, clockwise from an angle. */
 const regular = ( count, radius, first ) => Array.from( { length: count }, ( _, i ) => [ radius * Math.cos( first - 2 * Math.PI * i / count ), radius * Math.sin( first - 2 * Math.PI * i / count ) ] );
 
 /** A light in space: centre, half axes, normal of the side that emits light and faces the origin, corners of its polygon, and both ends. */
-export function placed( { shape, x, y, z, width, height } ) {
+export function placed( { shape, x, y, z, width, height, yaw, pitch, roll } ) {
 	const centre = [ x, y, z ];
-	const normal = unit( scaled( centre, - 1 ), [ 0, 0, 1 ] );
-	const right = unit( cross( [ 0, 1, 0 ], normal ), [ 1, 0, 0 ] );
-	const [ along, across ] = [ scaled( right, width ), scaled( cross( normal, right ), height ) ];
+	const facing = unit( scaled( centre, - 1 ), [ 0, 0, 1 ] );
+	const right = unit( cross( [ 0, 1, 0 ], facing ), [ 1, 0, 0 ] );
+	const up = cross( facing, right );
+	// Rotates about the normal, then about the horizontal axis, then about the vertical axis of the light.
+	const [ sy, cy, sp, cp, sr, cr ] = [ yaw, pitch, roll ].flatMap( ( angle ) => [ Math.sin( angle ), Math.cos( angle ) ] );
+	const turned = ( a, b, c ) => plus( scaled( right, cy * a + sy * c ), scaled( up, b ), scaled( facing, cy * c - sy * a ) );
+	const normal = turned( 0, - sp, cp );
+	const [ along, across ] = [ scaled( turned( cr, cp * sr, sp * sr ), width ), scaled( turned( - sr, cp * cr, sp * cr ), height ) ];
 	const at = ( [ u, v ] ) => plus( centre, scaled( along, u ), scaled( across, v ) );
 	const { corners } = LIGHT_SHAPES[ shape ];
 	const flat = shape === 'rectangle' ? [ [ - 1, 1 ], [ 1, 1 ], [ 1, - 1 ], [ - 1, - 1 ] ]
@@ -148,7 +189,7 @@ export function outline( light, eye ) {
 /** The uniforms of the lights, and `shapes`, which has a bit for each shape in the scene and a bit for pictures. The pictures are layers of a texture, in the order of their lights. */
 export function uniformsOf( lights ) {
 	const four = ( v, w = 0 ) => [ ...v, w ];
-	const made = { light_count: lights.length, light_shape: [], light_picture: [], light_corners: [], light_radiance: [], light_centre: [], light_x: [], light_y: [], light_normal: [], light_vertices: [] };
+	const made = { light_count: lights.length, light_shape: [], light_two_sided: [], light_picture: [], light_corners: [], light_radiance: [], light_centre: [], light_x: [], light_y: [], light_normal: [], light_vertices: [] };
 	let layers = 0;
 	for ( const light of lights ) {
 		const { centre, normal, along, across, vertices, ends } = placed( light );
@@ -161,7 +202,8 @@ export function uniformsOf( lights ) {
 		made.light_shape.push( shape );
 		made.light_picture.push( isPictured( light ) ? layers ++ : - 1 );
 		made.light_corners.push( vertices.length );
-		made.light_radiance.push( light.intensity );
+		made.light_two_sided.push( Number( light.sides === 'both' && isFlat( light ) ) );
+		made.light_radiance.push( linear( light.colour ).map( ( channel ) => light.intensity * channel ) );
 		made.light_centre.push( four( isSolid ? start : centre, { sphere: light.width, tube: light.height, line: 2 * light.height }[ light.shape ] ) );
 		made.light_x.push( isSolid ? four( end ) : four( along, 1 / dot( along, along ) ) );
 		made.light_y.push( four( across, 1 / dot( across, across ) ) );

@@ -20,7 +20,7 @@ export function program( gl, fragment, vertex = VERTEX ) {
 	gl.linkProgram( made );
 	if ( ! gl.getProgramParameter( made, gl.LINK_STATUS ) ) throw new Error( gl.getProgramInfoLog( made ) || 'the WebGL context was lost' );
 	// Other types are integers or samplers.
-	const setters = { [ gl.FLOAT ]: 'uniform1fv', [ gl.FLOAT_VEC3 ]: 'uniform3fv', [ gl.FLOAT_VEC4 ]: 'uniform4fv', [ gl.UNSIGNED_INT_VEC4 ]: 'uniform4uiv' };
+	const setters = { [ gl.FLOAT ]: 'uniform1fv', [ gl.FLOAT_VEC2 ]: 'uniform2fv', [ gl.FLOAT_VEC3 ]: 'uniform3fv', [ gl.FLOAT_VEC4 ]: 'uniform4fv', [ gl.UNSIGNED_INT_VEC4 ]: 'uniform4uiv' };
 	const uniforms = new Map();
 	for ( let i = 0; i < gl.getProgramParameter( made, gl.ACTIVE_UNIFORMS ); i ++ ) {
 		const { name, type } = gl.getActiveUniform( made, i );
@@ -54,4 +54,11 @@ export function target( gl, formats, width, height ) {
 	} );
 	gl.drawBuffers( formats.map( ( _, i ) => gl.COLOR_ATTACHMENT0 + i ) );
 	return { framebuffer, textures, width, height };
+}
+
+/** Deletes a target. */
+export function release( gl, made ) {
+	if ( ! made ) return;
+	gl.deleteFramebuffer( made.framebuffer );
+	made.textures.forEach( ( one ) => gl.deleteTexture( one ) );
 }

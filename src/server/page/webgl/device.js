@@ -1,10 +1,13 @@
 // Draws a scene with WebGL 2: the surface at each pixel, its light from the models, samples of the reference, and the final image.
+//
+// Light is summed over frames, because a mesh moves by a part of a pixel in each frame, so that its edges are smooth.
 
-import { program, target, texture } from './context.js';
+import { program, release, target, texture } from './context.js';
+import { DISPLAY_SHADER, ERRORS_SHADER, glowShader } from './display.js';
 import { modelShader, picturesOf } from './models.js';
 import { pictures } from './pictures.js';
 import { referenceShader } from './reference.js';
-import { DISPLAY_SHADER, MESH_VERTEX, meshShader, SURFACE_SHADER } from './surface.js';
+import { MESH_VERTEX, meshShader, SURFACE_SHADER } from './surface.js';
 
 /** Names of the textures that store the surface at each pixel. */
 const SURFACE_TEXTURES = [ 'surface_position', 'surface_tangent', 'surface_normal', 'surface_f0' ];
@@ -31,37 +34,36 @@ function ofMesh( gl, { image, pixel, isColour, wrap } ) {
 function corners( gl, numbers, uv ) {
 	const array = gl.createVertexArray();
 	gl.bindVertexArray( array );
-	const attribute = ( i, width, stride, offset ) => {
-		gl.enableVertexAttribArray( i );
-		gl.vertexAttribPointer( i, width, gl.FLOAT, false, stride, offset );
-	};
-
-	const buffer = ( values ) => {
-		gl.bindBuffer( gl.ARRAY_BUFFER, gl.createBuffer() );
+	const buffers = [ [ numbers, 40, [ [ 3, 0 ], [ 3, 12 ], [ 4, 24 ] ] ], ...( uv ? [ [ uv, 0, [ [ 2, 0 ] ] ] ] : [] ) ];
+	let place = 0;
+	const made = buffers.map( ( [ values, stride, attributes ] ) => {
+		const buffer = gl.createBuffer();
+		gl.bindBuffer( gl.ARRAY_BUFFER, buffer );
 		gl.bufferData( gl.ARRAY_BUFFER, values, gl.STATIC_DRAW );
-	};
-
-	buffer( numbers );
-	[ [ 3, 0 ], [ 3, 12 ], [ 4, 24 ] ].forEach( ( [ width, offset ], i ) => attribute( i, width, 40, offset ) );
-	if ( uv ) buffer( uv );
-	if ( uv ) attribute( 3, 2, 0, 0 );
-	return array;
+		for ( const [ width, offset ] of attributes ) {
+			gl.enableVertexAttribArray( place );
+			gl.vertexAttribPointer( place ++, width, gl.FLOAT, false, stride, offset );
+		}
+		return buffer;
+	} );
+	return { array, release() {
+		gl.deleteVertexArray( array );
+		made.forEach( ( buffer ) => gl.deleteBuffer( buffer ) );
+	} };
 }
+
+/** Texels per side of the image with the errors. */
+const BLOCKS = 64;
 
 /** Draws scenes on a canvas. The models come from `viewer/models.js`. */
 export function device( canvas ) {
 	const gl = canvas.getContext( 'webgl2', { alpha: false, antialias: false, preserveDrawingBuffer: true } );
 	if ( ! gl ) throw new Error( 'the viewer needs WebGL 2, which this browser does not have' );
 	if ( ! gl.getExtension( 'EXT_color_buffer_float' ) ) throw new Error( 'the viewer needs the WebGL extension EXT_color_buffer_float, which this browser or its graphics driver does not have' );
-	const { width, height } = canvas;
-	const screen = { framebuffer: null, width, height };
-	const surfaceTarget = target( gl, SURFACE_TEXTURES.map( () => gl.RGBA32F ), width, height );
-	const depth = gl.createRenderbuffer();
-	gl.bindRenderbuffer( gl.RENDERBUFFER, depth );
-	gl.renderbufferStorage( gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, width, height );
-	gl.framebufferRenderbuffer( gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depth );
-	const [ left, right, ...sums ] = Array.from( { length: 4 }, () => target( gl, [ gl.RGBA32F ], width, height ) );
+	const blocks = target( gl, [ gl.RGBA32F, gl.RGBA32F ], BLOCKS, BLOCKS );
 	const known = new Map();
+	/** Pixels per side, the target of the surface, and a pair of targets for each sum: the last of a pair is the newest. */
+	let [ size, surfaceTarget, depth, pairs ] = [ 0, null, null, new Map() ];
 
 	/** Returns the program, texture or mesh for a key. The first call creates it. */
 	function once( key, make ) {
@@ -85,10 +87,48 @@ export function device( canvas ) {
 
 	/** The pictures on lights, or null if there are no pictures. */
 	let shown = null;
-	const surface = SURFACE_TEXTURES.map( ( name, i ) => ( { name, texture: surfaceTarget.textures[ i ] } ) );
+	const surface = () => SURFACE_TEXTURES.map( ( name, i ) => ( { name, texture: surfaceTarget.textures[ i ] } ) );
 	const layered = ( name, texture ) => shown ? [ { name, type: gl.TEXTURE_2D_ARRAY, texture: shown[ texture ] } ] : [];
+	const newest = ( side ) => pairs.get( side )?.at( - 1 ).textures ?? [ surfaceTarget.textures[ 0 ], surfaceTarget.textures[ 0 ] ];
+
+	/** Adds to a sum. `names` are the samplers of the sum so far. The first frame, with `count` 0, replaces the sum. */
+	function add( side, shader, count, values, names, bound ) {
+		if ( ! pairs.has( side ) ) pairs.set( side, [] );
+		const pair = pairs.get( side );
+		const make = () => target( gl, names.map( () => gl.RGBA32F ), size, size );
+		if ( pair.length < ( count ? 2 : 1 ) ) pair.unshift( make() );
+		if ( count ) pair.reverse();
+		// A program must not read the texture that it writes, even if it ignores the values.
+		const before = count ? pair[ 0 ].textures : surfaceTarget.textures;
+		run( shader, pair.at( - 1 ), values, [ ...bound, ...names.map( ( name, i ) => ( { name, texture: before[ i ] } ) ) ] );
+	}
+
+	const sides = () => [ ...surface(), { name: 'left_sum', texture: newest( 'left' )[ 0 ] }, { name: 'right_sum', texture: newest( 'right' )[ 0 ] }, { name: 'even_sum', texture: newest( 'truth' )[ 0 ] }, { name: 'odd_sum', texture: newest( 'truth' )[ 1 ] },
+		{ name: 'glow_sum', texture: newest( 'glow' )[ 0 ] }, { name: 'diffuse_sum', texture: newest( 'diffuse' )[ 0 ] } ];
+
+	/** The numbers of an attachment of a target. */
+	function read( { framebuffer }, attachment, x, y, width, height ) {
+		const numbers = new Float32Array( 4 * width * height );
+		gl.bindFramebuffer( gl.FRAMEBUFFER, framebuffer );
+		gl.readBuffer( gl.COLOR_ATTACHMENT0 + attachment );
+		gl.readPixels( x, y, width, height, gl.RGBA, gl.FLOAT, numbers );
+		return numbers;
+	}
 
 	return {
+		/** Sets the number of pixels per side. */
+		resize( pixels ) {
+			if ( pixels === size ) return;
+			size = canvas.width = canvas.height = pixels;
+			for ( const one of [ surfaceTarget, ...[ ...pairs.values() ].flat() ] ) release( gl, one );
+			gl.deleteRenderbuffer( depth );
+			pairs = new Map();
+			surfaceTarget = target( gl, SURFACE_TEXTURES.map( () => gl.RGBA32F ), size, size );
+			depth = gl.createRenderbuffer();
+			gl.bindRenderbuffer( gl.RENDERBUFFER, depth );
+			gl.renderbufferStorage( gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, size, size );
+			gl.framebufferRenderbuffer( gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depth );
+		},
 		/** Draws the surface of the sphere or the floor. */
 		drawSurface: ( uniforms ) => run( once( 'surface', () => program( gl, SURFACE_SHADER ) ), surfaceTarget, uniforms, [] ),
 		/** Draws meshes. Each mesh has ten numbers per corner, the uniforms of its material, and optionally textures. */
@@ -100,12 +140,22 @@ export function device( canvas ) {
 			for ( const { numbers, uv, textures, ofMaterial } of meshes ) {
 				const shader = once( `mesh ${ Boolean( textures ) }`, () => program( gl, meshShader( Boolean( textures ) ), MESH_VERTEX ) );
 				const bound = Object.entries( textures || {} ).map( ( [ name, image ] ) => ( { name, texture: once( image, () => ofMesh( gl, image ) ) } ) );
-				gl.bindVertexArray( once( numbers, () => corners( gl, numbers, uv ) ) );
+				gl.bindVertexArray( once( numbers, () => corners( gl, numbers, uv ) ).array );
 				run( shader, surfaceTarget, { ...uniforms, ...ofMaterial }, bound, numbers.length / 10 );
 			}
-
 			gl.disable( gl.DEPTH_TEST );
 			gl.bindVertexArray( null );
+		},
+		/** Deletes the buffers and textures of meshes that are no longer shown. */
+		forget( meshes ) {
+			for ( const { numbers, textures } of meshes ) {
+				known.get( numbers )?.release();
+				known.delete( numbers );
+				for ( const image of Object.values( textures || {} ) ) {
+					gl.deleteTexture( known.get( image ) ?? null );
+					known.delete( image );
+				}
+			}
 		},
 		/** Prefilters pictures on lights with a shader text of the service. The pictures are canvases of the same size. Returns the number of draw calls. */
 		picture( layers, text ) {
@@ -115,29 +165,53 @@ export function device( canvas ) {
 				shown.release();
 				shown = null;
 			}
-
 			if ( layers.length ) shown ??= { key, ...pictures( gl, run, text, width, height, layers.length ) };
 			return layers.reduce( ( calls, canvas, layer ) => calls + shown.update( canvas, layer ), 0 );
 		},
-		/** Computes the light of a model for the left or the right side. `shapes` has a bit for each shape of the lights. */
-		light( side, model, uniforms, shapes ) {
+		/** Adds the light of a model to the side `left` or `right`, or diffuse light to `diffuse`. `shapes` has a bit for each shape of the lights. */
+		light( side, model, uniforms, shapes, count ) {
 			const textures = once( model.textures, () => model.textures.map( ( one ) => ofModel( gl, one ) ) );
 			const shader = once( `${ model.kind } ${ shapes } ${ model.text }`, () => program( gl, modelShader( model.kind, model.text, shapes ) ) );
-			run( shader, side === 'left' ? left : right, { ...uniforms, ...model.uniforms, picture_base: shown?.base ?? 0 }, [ ...surface, ...textures, ...layered( picturesOf( model.kind ), 'pyramids' ) ] );
+			add( side, shader, count, { ...uniforms, ...model.uniforms, picture_base: shown?.base ?? 0, sum_count: count }, [ 'sum_before' ], [ ...surface(), ...textures, ...layered( picturesOf( model.kind ), 'pyramids' ) ] );
 		},
-		/** Adds samples of the reference to the sum. `first` is the number of samples so far. */
+		/** Adds the lights as the camera sees them. */
+		glow( uniforms, shapes, count ) {
+			const shader = once( `glow ${ shapes }`, () => program( gl, glowShader( shapes ) ) );
+			add( 'glow', shader, count, { ...uniforms, sum_count: count }, [ 'sum_before' ], [ ...surface(), ...layered( 'light_pictures', 'shown' ) ] );
+		},
+		/** Adds an even number of samples of the reference. `first` is the number of samples so far. */
 		sample( brdf, uniforms, shapes, first, samples ) {
 			const shader = once( `${ brdf } ${ shapes }`, () => program( gl, referenceShader( brdf, shapes ) ) );
-			run( shader, sums[ 1 ], { ...uniforms, first, samples }, [ ...surface, { name: 'reference_sum', texture: sums[ 0 ].textures[ 0 ] }, ...layered( 'light_pictures', 'shown' ) ] );
-			sums.reverse();
+			add( 'truth', shader, first, { ...uniforms, first, samples }, [ 'even_before', 'odd_before' ], [ ...surface(), ...layered( 'light_pictures', 'shown' ) ] );
 		},
-		/** Shows both sides. The right side is a model if `samples` is null, otherwise the reference with this number of samples. */
-		display( uniforms, samples ) {
-			const other = samples === null ? right : sums[ 0 ];
-			const sides = [ { name: 'left_radiance', texture: left.textures[ 0 ] }, { name: 'right_radiance', texture: other.textures[ 0 ] } ];
-			run( once( 'display', () => program( gl, DISPLAY_SHADER ) ), screen, { ...uniforms, right_weight: 1 / Math.max( samples ?? 1, 1 ) }, [ ...surface, ...sides ] );
+		/** Shows both sides. */
+		display( uniforms ) {
+			run( once( 'display', () => program( gl, DISPLAY_SHADER ) ), { framebuffer: null, width: size, height: size }, uniforms, sides() );
 			// Reading a pixel waits for the GPU, so that the frame time is correct.
 			gl.readPixels( 0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array( 4 ) );
+		},
+		/**
+		 * The errors of both sides against the truth: mean and largest, the noise of the truth (root of the mean square), all relative to
+		 * the mean light, and the difference of radiance that 95 % of the blocks do not exceed.
+		 */
+		errors( uniforms ) {
+			run( once( 'errors', () => program( gl, ERRORS_SHADER ) ), blocks, { ...uniforms, block: Math.ceil( size / BLOCKS ) }, sides() );
+			const [ sums, others ] = [ 0, 1 ].map( ( i ) => read( blocks, i, 0, 0, BLOCKS, BLOCKS ) );
+			const column = ( numbers, c ) => Array.from( { length: BLOCKS * BLOCKS }, ( _, i ) => numbers[ 4 * i + c ] );
+			const sum = ( values ) => values.reduce( ( a, b ) => a + b, 0 );
+			const [ pixels, light, ...off ] = [ 0, 1, 2, 3 ].map( ( c ) => sum( column( sums, c ) ) );
+			if ( ! ( light > 0 ) ) return null;
+			const largest = [ 0, 1 ].map( ( c ) => column( others, c ).reduce( ( a, b ) => Math.max( a, b ), 0 ) );
+			const differences = column( others, 3 ).filter( ( _, i ) => sums[ 4 * i ] > 0 ).sort( ( a, b ) => a - b );
+			return {
+				sides: [ 0, 1 ].map( ( i ) => ( { mean: Math.max( off[ i ], 0 ) / light, worst: largest[ i ] * pixels / light } ) ),
+				noise: Math.sqrt( sum( column( others, 2 ) ) * pixels ) / light,
+				difference: differences[ Math.floor( 0.95 * ( differences.length - 1 ) ) ],
+			};
+		},
+		/** The sums at a pixel: the left side, the right side, and both halves of the truth. Missing sums are null. */
+		at( x, y ) {
+			return [ [ 'left', 0 ], [ 'right', 0 ], [ 'truth', 0 ], [ 'truth', 1 ] ].map( ( [ side, i ] ) => pairs.has( side ) ? read( pairs.get( side ).at( - 1 ), i, x, y, 1, 1 ) : null );
 		},
 		isLost: () => gl.isContextLost(),
 		release: () => gl.getExtension( 'WEBGL_lose_context' )?.loseContext(),

@@ -8,8 +8,8 @@
  */
 export const LIGHTS = `
 const float HORIZON = 1e-6;
-uniform int light_count, light_shape[4], light_corners[4];
-uniform float light_radiance[4];
+uniform int light_count, light_shape[4], light_corners[4], light_two_sided[4];
+uniform vec3 light_radiance[4];
 /** The layer of the light's picture, or -1. */
 uniform int light_picture[4];
 uniform vec4 light_vertices[32];
@@ -23,6 +23,7 @@ uniform vec4 light_normal[4];
 bool is_shape( int l, int shape ) { return ( SHAPES_USED & ( 1 << shape ) ) != 0 && light_shape[l] == shape; }
 bool is_pictured( int l ) { return ( SHAPES_USED & 16 ) != 0 && light_picture[l] >= 0; }
 bool is_solid( int l ) { return is_shape( l, 2 ) || is_shape( l, 3 ); }
+bool is_two_sided( int l ) { return light_two_sided[l] != 0 || is_solid( l ); }
 
 /** Two unit vectors that form an orthonormal basis with axis. */
 mat2x3 solid_basis( vec3 axis ) {
@@ -106,9 +107,9 @@ uint outline_of( int l, Shaded at, out vec3 v[8] ) {
 
 /** Sampling of lights: directions, and densities per steradian. */
 export const SAMPLED_LIGHTS = `
-/** Intersects a tube with the ray along wi. x: distance, negative for a miss. y: cosine at the surface. */
+/** Intersects a tube or line with the ray along wi. x: distance, negative for a miss. y: cosine at the surface. */
 vec2 tube_hit( int l, vec3 position, vec3 wi ) {
-	float radius = light_centre[l].w;
+	float radius = light_centre[l].w * ( is_shape( l, 3 ) ? 0.5 : 1.0 );
 	vec3 along = light_x[l].xyz - light_centre[l].xyz;
 	vec3 from_start = position - light_centre[l].xyz;
 	vec2 found = vec2( - 1.0, 0.0 );
@@ -146,6 +147,32 @@ vec2 tube_area( vec3 along, float radius ) {
 /** 1 - cosine of a spherical cap, from the squared sine. */
 float sphere_cap( float sine2 ) { return sine2 / ( 1.0 + sqrt( max( 1.0 - sine2, 0.0 ) ) ); }
 
+/** The cosine at which a flat light emits, from the cosine at its front. Not above zero behind a light with one side. */
+float emitting( int l, float cosine ) { return light_two_sided[l] != 0 ? abs( cosine ) : cosine; }
+
+/** Intersects a polygon or ellipse with the ray along wi. x: distance, negative for a miss. y: cosine at which the light emits. */
+vec2 flat_hit( int l, vec3 position, vec3 wi ) {
+	vec3 normal = light_normal[l].xyz;
+	float cosine = dot( normal, wi );
+	float away = abs( cosine ) > HORIZON ? dot( normal, light_vertices[8 * l].xyz - position ) / cosine : - 1.0;
+	if ( away <= 0.0 ) return vec2( - 1.0, 0.0 );
+	vec3 hit = position + away * wi;
+	bool is_hit = true;
+	if ( is_shape( l, 1 ) ) {
+		vec3 offset = hit - light_centre[l].xyz;
+		vec2 across = vec2( dot( offset, light_x[l].xyz ), dot( offset, light_y[l].xyz ) ) * vec2( light_x[l].w, light_y[l].w );
+		is_hit = dot( across, across ) <= 1.0;
+	} else {
+		vec3 a = light_vertices[8 * l + light_corners[l] - 1].xyz;
+		for ( int i = 0; i < light_corners[l]; i ++ ) {
+			vec3 b = light_vertices[8 * l + i].xyz;
+			is_hit = is_hit && dot( cross( b - a, hit - a ), normal ) <= 0.0;
+			a = b;
+		}
+	}
+	return vec2( is_hit ? away : - 1.0, emitting( l, - cosine ) );
+}
+
 /** The density of light_sample in the direction wi. Negative if wi misses the light, zero if light_sample does not sample the light. */
 float light_pdf( int l, vec3 position, vec3 wi ) {
 	if ( is_shape( l, 3 ) ) return - 1.0;
@@ -163,26 +190,8 @@ float light_pdf( int l, vec3 position, vec3 wi ) {
 		vec2 hit = tube_hit( l, position, wi );
 		return hit.x > 0.0 ? hit.x * hit.x / ( tube_area( along, radius ).x * max( hit.y, 1e-6 ) ) : - 1.0;
 	}
-	vec3 normal = light_normal[l].xyz;
-	float cosine = dot( normal, wi );
-	if ( - cosine <= HORIZON ) return - 1.0;
-	float away = dot( normal, light_vertices[8 * l].xyz - position ) / cosine;
-	if ( away <= 0.0 ) return - 1.0;
-	vec3 hit = position + away * wi;
-	bool is_hit = true;
-	if ( is_shape( l, 1 ) ) {
-		vec3 offset = hit - light_centre[l].xyz;
-		vec2 across = vec2( dot( offset, light_x[l].xyz ), dot( offset, light_y[l].xyz ) ) * vec2( light_x[l].w, light_y[l].w );
-		is_hit = dot( across, across ) <= 1.0;
-	} else {
-		vec3 a = light_vertices[8 * l + light_corners[l] - 1].xyz;
-		for ( int i = 0; i < light_corners[l]; i ++ ) {
-			vec3 b = light_vertices[8 * l + i].xyz;
-			is_hit = is_hit && dot( cross( b - a, hit - a ), normal ) <= 0.0;
-			a = b;
-		}
-	}
-	return is_hit ? away * away / ( light_normal[l].w * - cosine ) : - 1.0;
+	vec2 hit = flat_hit( l, position, wi );
+	return hit.x > 0.0 && hit.y > HORIZON ? hit.x * hit.x / ( light_normal[l].w * hit.y ) : - 1.0;
 }
 
 #if SHAPES_USED & 16
@@ -202,7 +211,7 @@ vec3 emitted( int l, vec3 position, vec3 wi ) {
 #if SHAPES_USED & 16
 	if ( is_pictured( l ) ) return light_radiance[l] * picture_at( l, position, wi );
 #endif
-	return vec3( light_radiance[l] );
+	return light_radiance[l];
 }
 
 /** A point on a polygon or ellipse, uniformly distributed by area. */
@@ -226,7 +235,7 @@ vec4 light_sample( int l, vec3 position, vec2 u ) {
 		vec3 way = light_point( l, u ) - position;
 		float distance2 = dot( way, way );
 		vec3 direction = way / sqrt( max( distance2, 1e-36 ) );
-		float facing = - dot( light_normal[l].xyz, direction );
+		float facing = emitting( l, - dot( light_normal[l].xyz, direction ) );
 		return vec4( direction, facing > HORIZON ? distance2 / ( light_normal[l].w * facing ) : 0.0 );
 	}
 	vec3 start = light_centre[l].xyz - position;

@@ -1,6 +1,6 @@
 // Prefilters pictures on lights with the passes of `ltcforge shader --as prefilter`, each time a picture changes.
 
-import { program, target, texture } from './context.js';
+import { program, release, target, texture } from './context.js';
 
 /** The expression of each pass for the colour at `texel`. `size` is the size of the picture. */
 const PASSES = {
@@ -64,11 +64,7 @@ export function pictures( gl, run, text, width, height, layers ) {
 			return chain.length + levels.length + 1;
 		},
 		release() {
-			for ( const { framebuffer, textures } of [ ...chain, ...levels, rows ] ) {
-				gl.deleteFramebuffer( framebuffer );
-				gl.deleteTexture( textures[ 0 ] );
-			}
-
+			for ( const one of [ ...chain, ...levels, rows ] ) release( gl, one );
 			for ( const made of [ picture, shown, pyramids ] ) gl.deleteTexture( made );
 			for ( const { made } of Object.values( passes ) ) gl.deleteProgram( made );
 		},

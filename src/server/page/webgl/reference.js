@@ -1,8 +1,9 @@
 // The reference in GLSL ES, by Monte Carlo integration. Each sample takes a direction from the BRDF and a point on each light,
-// weighted by the balance heuristic [Veach and Guibas 1995]. The code follows shaders/ggx_reference.wgsl line by line.
+// weighted by the balance heuristic [Veach and Guibas 1995]. The code follows shaders/ggx_reference.wgsl.
+// Even and odd samples have sums of their own.
 
 import { LIGHTS, SAMPLED_LIGHTS } from './lights.js';
-import { SURFACE_POINT } from './surface.js';
+import { PRECISE, SURFACE_POINT } from './surface.js';
 
 const SAMPLING = `
 uint hash( uint key ) {
@@ -74,45 +75,60 @@ const BRDFS = { ggx: GGX, charlie: sheen( ESTEVEZ ), charlie_neubelt: sheen( NEU
 export const hasReference = ( brdf ) => Object.hasOwn( BRDFS, brdf );
 
 const SUM = `
-uniform sampler2D reference_sum;
+uniform sampler2D even_before, odd_before;
 uniform int size, first, samples;
-out vec4 sum;
+layout( location = 0 ) out vec4 even_sum;
+layout( location = 1 ) out vec4 odd_sum;
+
+/** The light of sample i. The four seeds shift its points. */
+vec3 sampled( Shaded at, uint i, uvec4 seed ) {
+	vec3 sum = vec3( 0.0 );
+	vec3 wi = sampled_direction( at, point( i, seed.xy ) );
+	if ( wi.z > HORIZON ) {
+		vec3 wm = normalize( at.wo + wi );
+		vec2 found = scattered( at, wm, wi );
+		vec3 towards = at.x * wi.x + at.y * wi.y + at.z * wi.z;
+		for ( int l = 0; l < light_count; l ++ ) {
+			float of_light = light_pdf( l, at.position, towards );
+			if ( of_light >= 0.0 && found.y > 0.0 ) sum += fresnel( at.f0, dot( at.wo, wm ) ) * emitted( l, at.position, towards ) * ( found.x / ( found.y + of_light ) );
+		}
+	}
+	for ( int l = 0; l < light_count; l ++ ) {
+		vec4 of_light = light_sample( l, at.position, point( i, seed.zw ) );
+		wi = vec3( dot( of_light.xyz, at.x ), dot( of_light.xyz, at.y ), dot( of_light.xyz, at.z ) );
+		if ( wi.z > HORIZON && of_light.w > 0.0 ) {
+			vec3 wm = normalize( at.wo + wi );
+			vec2 found = scattered( at, wm, wi );
+			// Directions of the BRDF never hit a line.
+			float of_both = of_light.w + ( is_shape( l, 3 ) ? 0.0 : found.y );
+			sum += fresnel( at.f0, dot( at.wo, wm ) ) * emitted( l, at.position, of_light.xyz ) * ( found.x / of_both );
+		}
+	}
+	return sum;
+}
+
+/** Four seeds, each the hash of the one before. */
+uvec4 seeds( uint key ) {
+	uint a = hash( key ), b = hash( a ^ 0x9e3779b9u ), c = hash( b ^ 0x9e3779b9u );
+	return uvec4( a, b, c, hash( c ^ 0x9e3779b9u ) );
+}
 
 void main() {
 	Shaded at = shaded_point();
-	sum = first > 0 ? texelFetch( reference_sum, ivec2( gl_FragCoord.xy ), 0 ) : vec4( 0.0 );
+	ivec2 texel = ivec2( gl_FragCoord.xy );
+	even_sum = first > 0 ? texelFetch( even_before, texel, 0 ) : vec4( 0.0 );
+	odd_sum = first > 0 ? texelFetch( odd_before, texel, 0 ) : vec4( 0.0 );
 	if ( at.coverage <= 0.0 ) return;
-	ivec2 pixel = ivec2( int( gl_FragCoord.x ), size - 1 - int( gl_FragCoord.y ) );
-	uint a = hash( uint( pixel.y * size + pixel.x ) );
-	uint b = hash( a ^ 0x9e3779b9u );
-	uint c = hash( b ^ 0x9e3779b9u );
-	uint d = hash( c ^ 0x9e3779b9u );
-	for ( int i = first; i < first + samples; i ++ ) {
-		vec3 wi = sampled_direction( at, point( uint( i ), uvec2( a, b ) ) );
-		if ( wi.z > HORIZON ) {
-			vec3 wm = normalize( at.wo + wi );
-			vec2 found = scattered( at, wm, wi );
-			vec3 towards = at.x * wi.x + at.y * wi.y + at.z * wi.z;
-			for ( int l = 0; l < light_count; l ++ ) {
-				float of_light = light_pdf( l, at.position, towards );
-				if ( of_light >= 0.0 && found.y > 0.0 ) sum.xyz += fresnel( at.f0, dot( at.wo, wm ) ) * emitted( l, at.position, towards ) * ( found.x / ( found.y + of_light ) );
-			}
-		}
-		for ( int l = 0; l < light_count; l ++ ) {
-			vec4 of_light = light_sample( l, at.position, point( uint( i ), uvec2( c, d ) ) );
-			wi = vec3( dot( of_light.xyz, at.x ), dot( of_light.xyz, at.y ), dot( of_light.xyz, at.z ) );
-			if ( wi.z > HORIZON && of_light.w > 0.0 ) {
-				vec3 wm = normalize( at.wo + wi );
-				vec2 found = scattered( at, wm, wi );
-				// Directions of the BRDF never hit a line.
-				float of_both = of_light.w + ( is_shape( l, 3 ) ? 0.0 : found.y );
-				sum.xyz += fresnel( at.f0, dot( at.wo, wm ) ) * emitted( l, at.position, of_light.xyz ) * ( found.x / of_both );
-			}
-		}
+	uvec4 even = seeds( uint( ( size - 1 - texel.y ) * size + texel.x ) );
+	// The halves are independent, so their difference shows the noise.
+	uvec4 odd = seeds( even.w ^ 0x9e3779b9u );
+	for ( int i = first; i < first + samples; i += 2 ) {
+		even_sum += at.coverage * vec4( sampled( at, uint( i / 2 ), even ), 1.0 );
+		odd_sum += at.coverage * vec4( sampled( at, uint( i / 2 ), odd ), 1.0 );
 	}
 }`;
 
 /** The fragment shader that adds samples of a scattering model. `shapes` has a bit for each shape of the lights. */
 export function referenceShader( brdf, shapes ) {
-	return `#version 300 es\nprecision highp float;\nprecision highp int;\n#define SHAPES_USED ${ shapes }\n${ SURFACE_POINT }${ LIGHTS }${ SAMPLED_LIGHTS }${ SAMPLING }${ BRDFS[ brdf ] }${ SUM }`;
+	return `#version 300 es\n${ PRECISE }#define SHAPES_USED ${ shapes }\n${ SURFACE_POINT }${ LIGHTS }${ SAMPLED_LIGHTS }${ SAMPLING }${ BRDFS[ brdf ] }${ SUM }`;
 }

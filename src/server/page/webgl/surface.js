@@ -2,19 +2,27 @@
 //
 // The programs write position, tangent frame and material to textures, which all other programs of the viewer read.
 
-const HEAD = '#version 300 es\nprecision highp float;\nprecision highp int;\n';
+/** Precisions. Without one, the values of a sampler may have 16 bits. */
+export const PRECISE = 'precision highp float;\nprecision highp int;\nprecision highp sampler2D;\nprecision highp sampler2DArray;\n';
+const HEAD = `#version 300 es\n${ PRECISE }`;
 
 const TARGETS = `
 layout( location = 0 ) out vec4 out_place;
 layout( location = 1 ) out vec4 out_tangent;
 layout( location = 2 ) out vec4 out_normal;
 layout( location = 3 ) out vec4 out_f0;
+
+/** Three numbers from 0 to 1 in the 24 bits of a float, as square roots. */
+float packed( vec3 colour ) {
+	uvec3 bytes = uvec3( sqrt( clamp( colour, 0.0, 1.0 ) ) * 255.0 + 0.5 );
+	return float( bytes.x << 16 | bytes.y << 8 | bytes.z );
+}
 `;
 
 /** The unit sphere around the origin, or the floor y = 0, as in shaders/sphere.wgsl. */
 export const SURFACE_SHADER = `${ HEAD }${ TARGETS }
 uniform int size, surface;
-uniform vec3 eye, right, up, forward, f0;
+uniform vec3 eye, right, up, forward, f0, diffuse;
 uniform float pixel_width;
 uniform vec4 material;
 
@@ -46,7 +54,7 @@ void main() {
 	out_place = vec4( position, coverage );
 	out_tangent = vec4( material.z * along + material.w * cross( normal, along ), material.x );
 	out_normal = vec4( normal, material.y );
-	out_f0 = vec4( f0, 1.0 );
+	out_f0 = vec4( f0, packed( diffuse ) );
 }`;
 
 /** Projects the triangles of a mesh with the same camera. The image is the square from -1 to 1. */
@@ -56,6 +64,8 @@ layout( location = 1 ) in vec3 normal;
 layout( location = 2 ) in vec4 tangent;
 layout( location = 3 ) in vec2 uv;
 uniform vec3 eye, right, up, forward;
+/** Moves the image by a part of a pixel. */
+uniform vec2 jitter;
 out vec3 at_place, at_normal;
 out vec4 at_tangent;
 out vec2 at_uv;
@@ -63,7 +73,7 @@ const float NEAR = 0.05, FAR = 100.0;
 void main() {
 	vec3 way = place - eye;
 	float depth = dot( way, forward );
-	gl_Position = vec4( dot( way, right ) / dot( right, right ), dot( way, up ) / dot( up, up ), ( depth * ( FAR + NEAR ) - 2.0 * FAR * NEAR ) / ( FAR - NEAR ), depth );
+	gl_Position = vec4( vec2( dot( way, right ) / dot( right, right ), dot( way, up ) / dot( up, up ) ) + jitter * depth, ( depth * ( FAR + NEAR ) - 2.0 * FAR * NEAR ) / ( FAR - NEAR ), depth );
 	at_place = place;
 	at_normal = normal;
 	at_tangent = tangent;
@@ -94,11 +104,14 @@ vec3 bent( vec3 normal ) {
 	return normalize( x * stored.x * normal_scale + y * stored.y * normal_scale + normal * max( stored.z, 1e-3 ) );
 }
 
-void read_textures( out vec3 reflected, out vec2 alpha ) {
+void read_textures( out vec3 reflected, out vec3 scattered, out vec2 alpha ) {
 	vec4 rough = texture( rough_texture, at_uv );
 	alpha.y = factors.y * rough.g * factors.y * rough.g;
 	alpha.x = mix( alpha.y, 1.0, factors.w );
-	reflected = mix( mix( vec3( factors.z ), base * texture( base_texture, at_uv ).rgb, factors.x * rough.b ), vec3( 1.0 ), is_white );
+	vec3 own = base * texture( base_texture, at_uv ).rgb;
+	float metal = factors.x * rough.b;
+	reflected = mix( mix( vec3( factors.z ), own, metal ), vec3( 1.0 ), is_white );
+	scattered = own * ( 1.0 - metal ) * ( 1.0 - is_white );
 }
 `;
 
@@ -106,28 +119,28 @@ void read_textures( out vec3 reflected, out vec2 alpha ) {
 export const meshShader = ( isTextured ) => `${ HEAD }${ TARGETS }
 in vec3 at_place, at_normal;
 in vec4 at_tangent;
-uniform vec3 f0;
+uniform vec3 f0, diffuse;
 uniform vec4 material;
 ${ isTextured ? TEXTURED : '' }
 void main() {
 	vec3 normal = normalize( gl_FrontFacing ? at_normal : - at_normal );
-	vec3 reflected = f0;
+	vec3 reflected = f0, scattered = diffuse;
 	vec2 alpha = material.xy;
-${ isTextured ? '	normal = bent( normal );\n	read_textures( reflected, alpha );' : '' }
+${ isTextured ? '	normal = bent( normal );\n	read_textures( reflected, scattered, alpha );' : '' }
 	vec3 along = dot( at_tangent.xyz, at_tangent.xyz ) > 1e-12 ? at_tangent.xyz : vec3( normal.z, 0.0, - normal.x );
 	along -= normal * dot( normal, along );
 	along = dot( along, along ) > 1e-8 ? normalize( along ) : normalize( cross( normal, abs( normal.x ) > 0.7 ? vec3( 0.0, 1.0, 0.0 ) : vec3( 1.0, 0.0, 0.0 ) ) );
 	out_place = vec4( at_place, 1.0 );
 	out_tangent = vec4( material.z * along + material.w * at_tangent.w * cross( normal, along ), alpha.x );
 	out_normal = vec4( normal, alpha.y );
-	out_f0 = vec4( reflected, 1.0 );
+	out_f0 = vec4( reflected, packed( scattered ) );
 }`;
 
 /** Reads the surface at a pixel. A view direction below the surface is moved just above it. */
 export const SURFACE_POINT = `
 uniform sampler2D surface_position, surface_tangent, surface_normal, surface_f0;
 uniform vec3 eye;
-struct Shaded { vec3 position, x, y, z, wo, f0; vec2 alpha; float coverage; };
+struct Shaded { vec3 position, x, y, z, wo, f0, diffuse; vec2 alpha; float coverage; };
 
 Shaded shaded_point() {
 	ivec2 texel = ivec2( gl_FragCoord.xy );
@@ -143,37 +156,11 @@ Shaded shaded_point() {
 	vec3 view = normalize( eye - at.position );
 	at.wo = normalize( vec3( dot( view, at.x ), dot( view, at.y ), max( dot( view, at.z ), 1e-3 ) ) );
 	at.alpha = max( vec2( tangent.w, normal.w ), vec2( 1e-5 ) );
-	at.f0 = texelFetch( surface_f0, texel, 0 ).xyz;
+	vec4 f0 = texelFetch( surface_f0, texel, 0 );
+	at.f0 = f0.xyz;
+	uint bytes = uint( f0.w );
+	vec3 root = vec3( bytes >> 16, bytes >> 8 & 255u, bytes & 255u ) / 255.0;
+	at.diffuse = root * root;
 	return at;
 }
 `;
-
-/** Shows the left side, the right side, a split view of both, or their difference in false colours. Uses the tone curve of src/view/preview/tone.rs. */
-export const DISPLAY_SHADER = `${ HEAD }
-uniform sampler2D surface_position, left_radiance, right_radiance;
-uniform int size, show;
-uniform float exposure, split, difference_scale, right_weight;
-out vec4 colour;
-const vec3 BACKGROUND = vec3( 0.02 );
-
-/** Colours from blue through green and yellow to red. */
-vec3 false_colour( float t ) {
-	vec3 c = clamp( vec3( 2.5 * t - 0.9, 1.0 - abs( 2.6 * t - 1.2 ), 1.0 - 2.6 * abs( t - 0.22 ) ), 0.0, 1.0 );
-	return mix( vec3( 0.02, 0.03, 0.12 ), c, smoothstep( 0.0, 0.15, t ) );
-}
-
-void main() {
-	ivec2 texel = ivec2( gl_FragCoord.xy );
-	float coverage = texelFetch( surface_position, texel, 0 ).w;
-	vec3 left = mix( BACKGROUND, texelFetch( left_radiance, texel, 0 ).xyz, coverage );
-	vec3 right = mix( BACKGROUND, texelFetch( right_radiance, texel, 0 ).xyz * right_weight, coverage );
-	if ( show == 3 ) {
-		float apart = dot( abs( left - right ), vec3( 1.0 / 3.0 ) );
-		colour = vec4( false_colour( clamp( apart / difference_scale, 0.0, 1.0 ) ), 1.0 );
-		return;
-	}
-	bool is_right = show == 2 || ( show == 0 && float( texel.x ) >= split * float( size ) );
-	vec3 y = vec3( 1.0 ) - exp( - exposure * max( is_right ? right : left, vec3( 0.0 ) ) );
-	vec3 curved = mix( 1.055 * pow( max( y, vec3( 0.003 ) ), vec3( 1.0 / 2.4 ) ) - 0.055, 12.92 * y, lessThanEqual( y, vec3( 0.0031308 ) ) );
-	colour = vec4( clamp( curved, 0.0, 1.0 ), 1.0 );
-}`;
