@@ -128,6 +128,9 @@ const OFF: f64 = 2.0;
 /// Largest relative difference of the total light between the references of the viewer and of previews.
 const REFERENCE_OFF: f64 = 0.01;
 
+/// Largest relative difference of the mean error that the viewer shows from that of `ltcforge light --truth`.
+const ERROR_OFF: f64 = 0.05;
+
 /// Largest relative difference of the bytes of the shader ball, between `normals` and the reference.
 const BALL_OFF: f64 = 0.01;
 
@@ -140,7 +143,7 @@ fn the_viewer_agrees_with_previews() {
     let Some(seen) = script("viewer.js", &[]) else { return };
     let number = |of: &str, name: &str| seen[of][name].as_f64().unwrap_or_else(|| panic!("{of} {name}: {seen:#}"));
     let scenes = seen["off"].as_object().expect("numbers by scene");
-    assert_eq!(scenes.len(), 18, "{seen:#}");
+    assert_eq!(scenes.len(), 24, "{seen:#}");
     for scene in scenes.keys() {
         assert!(number("off", scene) <= OFF, "{scene}: {seen:#}");
         assert!(number("bright", scene) > 40.0, "{scene}: nothing is visible: {seen:#}");
@@ -176,6 +179,11 @@ fn pictures_on_lights_agree_with_the_command() {
         assert!(least > 0.2 && most < 0.8 && most / least < 1.05, "{seen:#}");
     }
     assert!(seen["reference"].as_f64().is_some_and(|apart| apart.abs() < REFERENCE_OFF), "{seen:#}");
+    // The mean error below the picture, and the mean error of `--truth` over the picture.
+    for model in ["normals", "ltc-formula"] {
+        let [told, wanted] = [0, 1].map(|i| seen["errors"][model][i].as_f64().expect("an error"));
+        assert!(wanted > 1e-3 && (told / wanted - 1.0).abs() < ERROR_OFF, "{model}: {seen:#}");
+    }
     assert!(number("opened", "off") <= 1.0, "{seen:#}");
     assert_eq!((&seen["opened"]["linked"], &seen["colours"]), (&json!(false), &json!(["blue", "red"])), "{seen:#}");
     assert_eq!(seen["refused"], "no.png: this browser cannot show the file; open another image or video");
@@ -201,7 +209,7 @@ fn the_viewer_is_used_and_its_link_contains_the_scene() {
     }
     assert_eq!((&seen["outlines"], &seen["left"], &seen["restored"]), (&json!(2), &json!(1), &json!(0)), "{seen:#}");
     assert!(seen["refused"].as_str().is_some_and(|reason| reason.contains("oren_nayar")), "{seen:#}");
-    assert!(seen["unlisted"].as_str().is_some_and(|reason| reason.contains("list of materials")), "{seen:#}");
+    assert!(seen["ofList"].as_str().is_some_and(|name| name.starts_with("Left: table")), "{seen:#}");
 }
 
 #[test]
@@ -238,6 +246,23 @@ fn a_dropped_gltf_file_is_shown_with_its_own_materials() {
         let fault = seen["faults"][i].as_str().unwrap_or_default();
         assert!(wanted.iter().all(|part| fault.contains(part)), "{fault}");
     }
+}
+
+#[test]
+fn a_scene_dropped_on_any_page_is_lit_planned_and_packed_for_an_engine() {
+    let Some(seen) = script("drop.js", &[]) else { return };
+    assert_eq!(seen["first"], "Left: engines, table of 2017", "{seen:#}");
+    let digest = seen["digest"].as_str().unwrap_or_default();
+    assert!(seen["sentence"].as_str().is_some_and(|text| text.contains("1 material")), "{seen:#}");
+    let material = seen["material"].as_str().unwrap_or_default();
+    assert!(material.starts_with("blue plastic\t0.25\t") && material.ends_with(" %"), "{seen:#}");
+    assert!(seen["blue"][1].as_u64() > seen["blue"][0].as_u64().map(|red| red + 20), "{seen:#}");
+    assert_eq!((&seen["violations"], &seen["name"]), (&json!([]), &json!("ball-wgpu.zip")), "{seen:#}");
+    let names: Vec<&str> = seen["names"].as_array().expect("names").iter().filter_map(Value::as_str).collect();
+    assert!(["README.md", "ltc.json", "ltcforge.json"].iter().all(|name| names.contains(name)), "{seen:#}");
+    assert!(names.iter().any(|name| name.starts_with("include/ltc-")), "{seen:#}");
+    assert!(seen["readme"].as_str().is_some_and(|text| text.contains(digest)) && digest.len() > 64, "{seen:#}");
+    assert!(seen["missing"].as_str().is_some_and(|text| text.contains("does not have ball.glb")), "{seen:#}");
 }
 
 #[test]

@@ -79,7 +79,7 @@ await withWorld( async ( { service, open } ) => {
 
 	const shown = async ( scene ) => {
 
-		await page.evaluate( ( hash ) => location.hash = hash, `#/viewer?${ new URLSearchParams( { size: SIZE, glow: 'off', diffuse: 'off', spp: scene.show === 'reference' ? 1024 : 2, ...scene } ) }` );
+		await page.evaluate( ( hash ) => location.hash = hash, `#/viewer?${ new URLSearchParams( { size: SIZE, glow: 'off', diffuse: 'off', spp: 2, ...scene } ) }` );
 		await page.locator( '.page-viewer .facts' ).waitFor();
 
 	};
@@ -138,12 +138,32 @@ await withWorld( async ( { service, open } ) => {
 	const engines = darker.map( ( factors ) => [ Math.min( ...factors ), Math.max( ...factors ) ] );
 
 	// Compare the reference with `--truth`.
-	await shown( { ...plastic, show: 'reference' } );
-	await page.waitForFunction( () => Number( document.querySelector( '.stage canvas' ).dataset.samples ) >= 1024 );
+	await shown( { ...plastic, show: 'reference', spp: 512 } );
+	await page.waitForFunction( () => Number( document.querySelector( '.stage canvas' ).dataset.samples ) >= 512 );
 	const truly = await pixelsAt();
 	const sum = ( pixels ) => pixels.flat().reduce( ( a, b ) => a + b, 0 );
 	const reference = sum( truly.pixels ) / sum( byte( plastic, truly.png, [ '--truth' ], 'true_' ) ) - 1;
 	rmSync( folder, { recursive: true } );
+
+	// The mean error of the picture, against `--truth` at every twelfth pixel of the sphere.
+	const errors = {};
+	for ( const [ table, words ] of [ [ 'ltc-formula', [ '--model', 'ltc-formula' ] ], [ '', [] ] ] ) {
+
+		const scene = { table, metal: 'white', alpha_x: 0.4, alpha_y: 0.1, rotation: 0, light_width: 1.5, show: 'reference', spp: 256 };
+		await shown( scene );
+		await page.waitForFunction( () => Number( document.querySelector( '.stage canvas' ).dataset.samples ) >= 256 );
+		const told = await page.evaluate( () => JSON.parse( document.querySelector( '.stage canvas' ).dataset.errors ).sides[ 0 ].mean );
+		const asked = read( new URLSearchParams( scene ) );
+		const grid = Array.from( { length: 1849 }, ( _, i ) => [ 4 + 12 * ( i % 43 ), 4 + 12 * Math.floor( i / 43 ) ] ).map( ( place ) => line( asked, place ) ).filter( ( text ) => ! text.includes( 'NaN' ) );
+		const { stdout, stderr, status } = spawnSync( LTCFORGE, [ 'light', '-', '--truth', '--f0', '1', ...words ], { input: grid.join( '\n' ) + '\n', encoding: 'utf8' } );
+		if ( status !== 0 ) throw new Error( stderr );
+		const [ names, ...rows ] = stdout.trimEnd().split( '\n' ).map( ( row ) => row.split( ',' ) );
+		const [ ours, truth ] = [ 'reflected', 'true_reflected' ].map( ( name ) => rows.map( ( row ) => Number( row[ names.indexOf( name ) ] ) ) );
+		const total = ( values ) => values.reduce( ( a, b ) => a + b, 0 );
+		errors[ table || 'normals' ] = [ told, total( ours.map( ( value, i ) => Math.abs( value - truth[ i ] ) ) ) / total( truth ), grid.length ];
+
+	}
+
 
 	// A file of one colour gives the same light as no picture. The link does not contain the file.
 	await shown( { light_width: 0.8, light_height: 0.5, show: 'model' } );
@@ -225,6 +245,6 @@ await withWorld( async ( { service, open } ) => {
 	await page.reload();
 	await page.locator( '.page-viewer .facts' ).waitFor();
 	const again = await page.locator( '#view-light_picture' ).inputValue();
-	return { off, bright, engines, reference, opened, refused, colours: [ ...colours ].sort(), moves, stops, kept, again };
+	return { errors, off, bright, engines, reference, opened, refused, colours: [ ...colours ].sort(), moves, stops, kept, again };
 
 }, [ '--adapter', 'cpu' ] );

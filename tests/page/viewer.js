@@ -21,10 +21,13 @@ const PLACES = Array.from( { length: 20 }, ( _, i ) => {
 
 } );
 
-/** The parameters of a preview for a scene of the viewer with its first light. */
-function preview( { surface, table = '', metal, light_shape, light_width = 0.7, light_height = 0.45, ...scene } ) {
+/** Pixels where an edge of light `cut` meets the floor. With positions of 16 bits, they would differ by up to 170. */
+const CUT = [ [ 374, 272 ], [ 369, 258 ], [ 365, 247 ], [ 361, 236 ], [ 377, 282 ], [ 378, 283 ] ];
 
-	const light = { light: light_shape || 'rectangle', light_centre: '-1.3,1.4,1.2', light_half_size: `${ light_width },${ light_height }` };
+/** The parameters of a preview for a scene of the viewer with its first light. */
+function preview( { surface, table = '', metal, light_shape, light_x = - 1.3, light_y = 1.4, light_z = 1.2, light_yaw = 0, light_pitch = 0, light_roll = 0, light_sides, light_width = 0.7, light_height = 0.45, ...scene } ) {
+
+	const light = { light: light_shape || 'rectangle', light_centre: `${ light_x },${ light_y },${ light_z }`, light_rotation: `${ light_yaw },${ light_pitch },${ light_roll }`, light_two_sided: light_sides === 'both', light_half_size: `${ light_width },${ light_height }` };
 	const camera = { camera_distance: 9, camera_elevation: 0.2, field_of_view: 0.5 };
 	const f0 = metal ? { f0: { plastic: '0.04,0.04,0.04', white: '1,1,1' }[ metal ] } : {};
 	return new URLSearchParams( { scene: surface === 'floor' ? 'brushed_floor' : 'sphere', ...light, ...camera, ...( [ '', 'ltc-formula' ].includes( table ) ? { model: table || 'normals' } : { table } ), ...f0, alpha_x: 0.5, alpha_y: 0.1, size: SIZE, ...scene } );
@@ -70,6 +73,11 @@ await withWorld( async ( { service, open } ) => {
 		tube_by_formula: { table: 'ltc-formula', light_shape: 'tube', light_height: 0.1, rotation: 0.6 },
 		disk_by_normals: { light_shape: 'disk' },
 		tube_by_normals: { light_shape: 'tube', light_height: 0.1 },
+		// The light cuts the floor. In the picture, its edge on the floor runs through some of CUT.
+		cut: { surface: 'floor', light_x: 1, light_y: 0.1, light_z: 0, light_height: 0.6, camera_elevation: 0.3 },
+		turned: { table: reflected, light_yaw: 0.4, light_pitch: 0.5, light_roll: - 0.3 },
+		turned_away: { light_yaw: 3.0, light_roll: 0.5, light_sides: 'both' },
+		both_sides_of_a_disk: { table: 'ltc-formula', light_shape: 'disk', light_yaw: 2.8, light_sides: 'both' },
 		line_by_normals: { light_shape: 'line', light_height: 0.05, exposure: 4 },
 	};
 	const page = await open( 'tables' );
@@ -88,7 +96,7 @@ await withWorld( async ( { service, open } ) => {
 	const apart = ( one, other ) => Math.max( ...one.flat().map( ( value, i ) => Math.abs( value - other.flat()[ i ] ) ) );
 	const shown = async ( scene ) => {
 
-		await page.evaluate( ( hash ) => location.hash = hash, `#/viewer?${ new URLSearchParams( { size: SIZE, glow: 'off', diffuse: 'off', spp: scene.show === 'reference' ? 1024 : 2, ...scene } ) }` );
+		await page.evaluate( ( hash ) => location.hash = hash, `#/viewer?${ new URLSearchParams( { size: SIZE, glow: 'off', diffuse: 'off', spp: 2, ...scene } ) }` );
 		// The figures appear once the image is drawn.
 		await page.locator( '.page-viewer .facts' ).waitFor();
 
@@ -102,7 +110,8 @@ await withWorld( async ( { service, open } ) => {
 	for ( const [ name, scene ] of Object.entries( scenes ) ) {
 
 		await shown( { ...scene, show: 'model' } );
-		const [ ours, theirs ] = [ await pixels( null, PLACES ), await pixels( `v1/preview?${ preview( scene ) }`, PLACES ) ];
+		const places = name === 'cut' ? [ ...PLACES, ...CUT ] : PLACES;
+		const [ ours, theirs ] = [ await pixels( null, places ), await pixels( `v1/preview?${ preview( scene ) }`, places ) ];
 		off[ name ] = apart( ours, theirs );
 		bright[ name ] = Math.max( ...theirs.flat() );
 
@@ -138,7 +147,7 @@ await withWorld( async ( { service, open } ) => {
 	const reference = {};
 	for ( const [ name, scene, spp ] of [ [ 'rectangle', { rotation: 0.3 }, 1024 ], [ 'disk', { light_shape: 'disk' }, 128 ], [ 'tube', { light_shape: 'tube', light_height: 0.1 }, 128 ], [ 'sheen', { table: sheen, metal: 'white', alpha_x: 0.4, alpha_y: 0.4, exposure: 4 }, 128 ] ] ) {
 
-		await shown( { show: 'reference', ...scene } );
+		await shown( { show: 'reference', ...scene, spp } );
 		await sampled( spp );
 		reference[ name ] = sum( await pixels( null, grid ) ) / sum( await pixels( `v1/preview?${ preview( { ...scene, mode: 'reference', spp } ) }`, grid ) ) - 1;
 

@@ -39,7 +39,6 @@ async function show() {
 		link.removeAttribute( 'aria-current' );
 		if ( link.hash === `#/${ name }` ) link.setAttribute( 'aria-current', 'page' );
 	}
-
 	const root = el( 'div', { class: `page-${ name }` } );
 	fill( main, root );
 	try {
@@ -53,7 +52,6 @@ async function show() {
 		// When the service is back, `serviceback` shows the page again.
 		fill( root, el( 'h1', {}, 'Cannot show this page' ), notice( error.message ) );
 	}
-
 	const heading = root.querySelector( 'h1' );
 	document.title = heading ? `${ heading.textContent } – ltcforge` : 'ltcforge';
 }
@@ -88,10 +86,13 @@ document.querySelector( '.skip' ).addEventListener( 'click', ( event ) => {
 	main.focus();
 } );
 
+/** What the viewer shows at first: the table of engines, and a light in front of the scene. */
+const DROPPED = { table: 'engines', surface: 'mesh', camera_distance: 4.6, light_y: 1.6, light_z: 2.6, light_width: 1.2, light_height: 0.9, light_intensity: 6 };
+
 // A scene can be dropped on every page. The viewer shows it.
 takeDrops( document, async ( file ) => {
 	await keep( file );
-	const hash = `#/viewer?${ new URLSearchParams( { table: 'engines', surface: 'mesh', mesh: file.name } ) }`;
+	const hash = `#/viewer?${ new URLSearchParams( { ...DROPPED, mesh: file.name } ) }`;
 	if ( location.hash === hash ) show();
 	else location.hash = hash;
 } );

@@ -25,7 +25,6 @@ function filled( element, attributes, children ) {
 		if ( name.startsWith( 'on' ) ) element.addEventListener( name.slice( 2 ), value );
 		else element.setAttribute( name, value === true ? '' : value );
 	}
-
 	return fill( element, ...children );
 }
 

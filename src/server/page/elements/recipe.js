@@ -22,6 +22,9 @@ export function ownRecipe( { fitter, ...own } ) {
 	return own;
 }
 
+/** The engines that tables are exported for: name of the export, label, and the layout that the engine reads; your own renderer reads all. */
+export const ENGINES = [ [ 'three', 'three.js', 'ltc2017' ], [ 'babylon', 'Babylon.js', 'ltc2017' ], [ 'playcanvas', 'PlayCanvas', 'ltc2017' ], [ 'bevy', 'Bevy', 'ltc2017' ], [ 'godot', 'Godot', 'godot' ], [ 'hdrp', 'Unity HDRP', 'hdrp' ], [ 'o3de', 'O3DE', 'ltc2016' ], [ 'wgpu', 'your own renderer' ] ];
+
 /** The address of the form filled with a recipe. */
 export const formOf = ( recipe ) => `#/new?${ new URLSearchParams( { recipe: JSON.stringify( recipe ) } ) }`;
 

@@ -39,6 +39,5 @@ export function documentField( take, refuse ) {
 		field.value = json( recipe );
 		showFault( '' );
 	}
-
 	return { root: el( 'div', {}, field, fault ), text: () => field.value, isRefused: () => fault.textContent !== '', show };
 }

@@ -22,7 +22,6 @@ function whole( { schema: { minimum: min, maximum: max } }, id, changed ) {
 	const show = ( value ) => {
 		if ( ! isEdited( main ) && value !== undefined ) main.value = value;
 	};
-
 	return { parts: [ main ], main, show };
 }
 
@@ -34,7 +33,6 @@ function interval( { label, schema: { items: { maximum } } }, id, changed ) {
 		showText( values );
 		changed( values );
 	};
-
 	const ends = [ 'from', 'to' ].map( ( name, i ) => el( 'input', { type: 'range', id: i ? `${ id }-to` : id, 'aria-label': `${ label }, ${ name }`, min: 0, max: STEPS, step: 1, oninput: read } ) );
 	const show = ( values ) => {
 		if ( ! Array.isArray( values ) || values.length !== 2 || ! values.every( Number.isFinite ) ) return;
@@ -42,7 +40,6 @@ function interval( { label, schema: { items: { maximum } } }, id, changed ) {
 		// The slider shows the nearest position. The recipe keeps its value until the user moves the slider.
 		ends.forEach( ( end, i ) => isEdited( end ) || ( end.value = Math.round( values[ i ] / maximum * STEPS ) ) );
 	};
-
 	return { parts: [ el( 'span', { class: 'interval' }, ends ), output ], main: ends[ 0 ], show };
 }
 
@@ -53,7 +50,6 @@ function list( attributes, parse, write, changed ) {
 	const show = ( value ) => {
 		if ( ! isEdited( input ) ) input.value = Array.isArray( value ) ? value.map( ( item ) => write( Object( item ) ) ).join( ', ' ) : '';
 	};
-
 	return { input, read, show };
 }
 
@@ -63,7 +59,6 @@ function materials( { schema: { anyOf: [ { enum: names } ] } }, id, changed ) {
 		const [ f0, weight ] = text.split( /[×x*]/ ).map( numberOf );
 		return weight === undefined ? { f0 } : { f0, weight };
 	};
-
 	const pass = () => changed( input.hidden ? names[ main.selectedIndex ] : read() );
 	const { input, read, show: showList } = list( { hidden: true, 'aria-label': 'F0 of the materials, separated by commas; add × and a weight if needed', placeholder: '1, 0.04 × 4' }, parse, ( { f0, weight = 1 } ) => weight === 1 ? f0 : `${ f0 } × ${ weight }`, pass );
 	const main = el( 'select', { id, onchange: () => {
@@ -77,7 +72,6 @@ function materials( { schema: { anyOf: [ { enum: names } ] } }, id, changed ) {
 		main.selectedIndex = input.hidden ? names.indexOf( value ) : names.length;
 		if ( ! input.hidden ) showList( value );
 	};
-
 	return { parts: [ main, input ], main, show };
 }
 
@@ -88,7 +82,6 @@ function roughnesses( field, id, changed ) {
 		if ( sign === '/' ) return { alpha_x: numberOf( first ), alpha_y: numberOf( second ) };
 		return sign ? { alpha: numberOf( first ), ratio: numberOf( second ) } : { alpha: numberOf( first ) };
 	};
-
 	const write = ( { alpha, ratio = 1, alpha_x, alpha_y } ) => alpha_x !== undefined ? `${ alpha_x } / ${ alpha_y }` : ratio === 1 ? alpha : `${ alpha } × ${ ratio }`;
 	// An empty text removes the list, because only one layout allows a list.
 	const { input, read, show } = list( { id, placeholder: '0.4 / 0.1, 0.3 × 0.5, 0.09', title: 'A comma-separated list. Each item is alpha, alpha × ratio, or alpha along / alpha across' }, parse, write, () => changed( input.value.trim() === '' ? undefined : read() ) );
@@ -112,6 +105,5 @@ export function input( field, changed ) {
 		main.setAttribute( 'aria-invalid', details.length > 0 );
 		row.classList.toggle( 'bad', details.length > 0 );
 	};
-
 	return { field, row, show, showFaults };
 }

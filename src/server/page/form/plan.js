@@ -16,7 +16,6 @@ export function planner( signal, take ) {
 		scene = file;
 		plan();
 	};
-
 	const budget = el( 'select', { id: 'budget', 'aria-label': 'Budget', onchange: () => {
 		limit.hidden = ! budget.value;
 		limit.value = BUDGETS[ budget.value ][ 1 ];
@@ -43,7 +42,6 @@ export function planner( signal, take ) {
 			fill( output, [ `${ name }: ${ error.message }`, ...faults ].map( notice ) );
 		}
 	}
-
 	const area = el( 'div', { class: 'drop' },
 		el( 'div', { class: 'bar file' }, fileField( 'scene', '.glb,.gltf,.json', 'Open or drop a scene', open, 'button' ), el( 'span', { class: 'muted' }, 'glTF, or a list of materials' ), el( 'span', { class: 'grow' } ), budget, limit ), output );
 	takeDrops( area, open );

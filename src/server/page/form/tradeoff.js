@@ -36,7 +36,6 @@ export function tradeoff( signal ) {
 			others.append( svg( 'circle', { class: 'measured', cx: x( bytes ), cy: y( point.error ), r: 2.5 }, svg( 'title', {}, `table for ${ recipe.brdf }, layout ${ recipe.layout }: ${ words( point ) }` ) ) );
 		} );
 	}
-
 	// After an error the chart lacks tables. The forecast shows errors of the service.
 	load().catch( () => {} );
 
@@ -47,6 +46,5 @@ export function tradeoff( signal ) {
 		own.setAttribute( 'cy', y( expected.error ) );
 		root.setAttribute( 'aria-label', `This recipe: ${ words( expected ) }, among the tables of this service` );
 	}
-
 	return { root, show };
 }

@@ -31,7 +31,6 @@ function parts( buffer ) {
 		if ( type === 0x004e4942 ) binary ??= chunk;
 		at += 8 + length;
 	}
-
 	if ( ! document ) throw new Error( 'the GLB has no JSON chunk' );
 	return { document, binary };
 }
@@ -43,7 +42,6 @@ function parsed( bytes ) {
 	} catch {
 		throw new Error( 'the file is neither a GLB nor a glTF file in JSON' );
 	}
-
 	if ( ! /^2\./.test( document?.asset?.version ) ) throw new Error( `asset.version is ${ JSON.stringify( document?.asset?.version ) }; only 2.x is supported` );
 	const needed = list( document.extensionsRequired ).filter( ( name ) => ! KNOWN.test( name ) );
 	if ( needed.length ) throw new Error( `the file requires ${ needed.join( ', ' ) }, which the viewer does not support; export the scene without them` );
@@ -146,7 +144,6 @@ function instances( document ) {
 		if ( node.mesh !== undefined ) found.push( { mesh: node.mesh, world } );
 		for ( const child of list( node.children ) ) visit( child, world, depth + 1 );
 	};
-
 	for ( const root of list( roots ) ) visit( root, matrixOf( {} ), 0 );
 	return found;
 }
@@ -198,7 +195,6 @@ function append( { numbers, uv, textures }, budget, primitive, world, read, path
 			if ( places ) uv.push( places[ 2 * k ], places[ 2 * k + 1 ] );
 		} );
 	}
-
 	return tangents ? '' : 'the file has no tangents, so anisotropy runs around the vertical axis';
 }
 
@@ -246,9 +242,8 @@ async function found( buffer ) {
 			if ( ! byMaterial.has( key ) ) {
 				const [ own, { textures, isBent } ] = [ materialOf( material ), await texturesOf( material ?? {}, hasPlaces ) ];
 				if ( ! isBent ) own.factors.normal_scale = 0;
-				byMaterial.set( key, { material: own, textures, numbers: [], uv: [] } );
+				byMaterial.set( key, { name: material?.name || `material ${ byMaterial.size + 1 }`, material: own, textures, numbers: [], uv: [] } );
 			}
-
 			try {
 				notes.add( append( byMaterial.get( key ), budget, primitive, world, read, `meshes/${ mesh }/primitives/${ i }` ) );
 			} catch ( error ) {
@@ -256,7 +251,6 @@ async function found( buffer ) {
 			}
 		}
 	}
-
 	if ( faults.size ) throw new Error( [ ...faults ].slice( 0, 8 ).join( '; ' ) );
 	const meshes = [ ...byMaterial.values() ].filter( ( { numbers } ) => numbers.length );
 	if ( ! meshes.length ) throw new Error( 'the file has no triangles' );

@@ -25,7 +25,6 @@ export function header( bytes ) {
 		const marker = bytes[ at + 1 ];
 		if ( marker >= 0xc0 && marker <= 0xcf && ! [ 0xc4, 0xc8, 0xcc ].includes( marker ) ) return { type: 'image/jpeg', width: view.getUint16( at + 7 ), height: view.getUint16( at + 5 ) };
 	}
-
 	return null;
 }
 
@@ -36,7 +35,6 @@ function bytesOf( { bufferView, uri }, index, document, bufferOf ) {
 		if ( data === undefined ) throw new Error( `images/${ index } is not inside the file` );
 		return Uint8Array.from( atob( data ), ( byte ) => byte.charCodeAt( 0 ) );
 	}
-
 	const { buffer, byteOffset = 0, byteLength } = document.bufferViews?.[ bufferView ] || {};
 	const whole = bufferOf( buffer );
 	if ( ! ( Number.isInteger( byteOffset ) && Number.isInteger( byteLength ) && byteOffset >= 0 && byteLength > 0 && byteOffset + byteLength <= whole.byteLength ) ) throw new Error( `images/${ index } ends after the end of its buffer` );
@@ -88,7 +86,6 @@ export function textureReader( document, bufferOf, notes ) {
 				notes.add( `${ member } is not shown: ${ error.message }` );
 			}
 		}
-
 		const others = JSON.stringify( material, ( key, value ) => SHOWN.some( ( [ , member ] ) => member === key ) ? undefined : value );
 		if ( /"index":/.test( others ) ) notes.add( 'only base colour, metallic-roughness and normal textures are shown; factors replace all other textures' );
 		return { textures: Object.keys( found ).length ? { ...NO_IMAGES, ...found } : null, isBent: Boolean( found.normal_texture ) };

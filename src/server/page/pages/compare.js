@@ -45,14 +45,12 @@ export async function show( root, rest, parameters, signal ) {
 		const chosen = [ ...new Set( choices.map( ( { value } ) => value ).filter( Boolean ) ) ];
 		location.hash = chosen.length ? `#/compare?tables=${ chosen.join( ',' ) }` : '#/compare';
 	}
-
 	const added = known.length > digests.length ? choices.slice( digests.length ) : null;
 	fill( root, bar( 'Compare', el( 'span', { class: 'muted' }, 'the best value of each row is marked' ), added ) );
 	if ( ! known.length ) {
 		root.append( el( 'p', { class: 'empty' }, 'No table is stored yet. ', el( 'a', { href: '#/new' }, 'Submit a recipe' ), ' to fit a table.' ) );
 		return null;
 	}
-
 	const loads = [];
 	const pictures = ( name, caption, width, path ) => el( 'tr', {}, el( 'th', { scope: 'row' }, name ), tables.map( ( table, i ) => {
 		const image = el( 'img', { alt: `${ caption } table ${ i + 1 }`, width } );

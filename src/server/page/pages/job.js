@@ -72,7 +72,6 @@ export async function show( root, id, parameters, signal ) {
 		update( job );
 		if ( isActive( job ) ) follow( id, signal, update );
 	}
-
 	const job = await ask();
 	fill( root, el( 'h1', {}, title( job.recipe ) ), fault, state, figures, actions, recipeSection( job.recipe ) );
 	watch( job );

@@ -29,7 +29,6 @@ export async function show( root, rest, parameters, signal ) {
 	const list = el( 'table', { class: 'list jobs' }, el( 'caption', { class: 'hidden' }, 'Jobs' ), el( 'thead', {}, headings( 'State', 'Recipe', 'Progress', 'Age' ) ), body );
 	const empty = el( 'p', { class: 'empty', hidden: true }, 'There are no jobs yet. ', el( 'a', { href: '#/new' }, 'Submit a recipe' ), ' to start a job.' );
 	fill( root, titled( 'Jobs', count, button( '#/new', 'New' ) ), fault, list, empty, more );
-
 	const failed = ( error ) => signal.aborted || fill( fault, notice( error.message ) );
 
 	function update( job ) {
@@ -45,7 +44,6 @@ export async function show( root, rest, parameters, signal ) {
 			el( 'td', { class: 'number' }, el( 'time', { datetime: job.created_at, title: new Date( job.created_at ).toLocaleString() }, age( job.created_at ) ) ) );
 		if ( focusedTag ) row.querySelector( focusedTag )?.focus();
 	}
-
 	const active = () => [ ...rows.values() ].filter( ( { job } ) => isActive( job ) ).length;
 
 	async function read( cursor ) {
@@ -67,7 +65,6 @@ export async function show( root, rest, parameters, signal ) {
 			if ( ! signal.aborted && ! document.hidden ) await read().catch( () => {} );
 		}
 	}
-
 	await read();
 	poll();
 	return () => read().catch( () => {} );

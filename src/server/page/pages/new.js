@@ -124,7 +124,6 @@ export async function show( root, rest, parameters, signal ) {
 			showFaults( own.map( ( fault ) => fault.pointer === pointer ? fault.detail : `${ fault.pointer.slice( 1 ) }: ${ fault.detail }` ) );
 			row.hidden = Boolean( layout ) && ! own.length && ( complete || recipe ).layout !== layout;
 		}
-
 		if ( complete || filled ) fillIn( complete || filled );
 		fill( others, problem && ! problem.errors?.length ? notice( problem.detail ) : null, [ ...faults ].map( ( { pointer, detail } ) => notice( `${ pointer || 'the document' }: ${ detail }` ) ) );
 		submit.disabled = Boolean( problem ) || entered.isRefused();
@@ -150,7 +149,6 @@ export async function show( root, rest, parameters, signal ) {
 			fill( answer, notice( error.message ) );
 		}
 	}
-
 	changed();
 	return requestForecast;
 }

@@ -29,7 +29,6 @@ export async function show( root, rest, parameters, signal ) {
 	const chosen = new Set();
 	let order = { column: 4, sign: 1 };
 	let next = null;
-
 	const search = el( 'input', { type: 'search', id: 'search', placeholder: 'ggx, ltc2017, f16, 1f0c…', oninput: draw } );
 	const count = el( 'span', { class: 'muted', role: 'status' } );
 	const compare = button( '#/compare', 'Compare' );
@@ -115,7 +114,6 @@ export async function show( root, rest, parameters, signal ) {
 		more.disabled = true;
 		read( next ).finally( () => more.disabled = false );
 	}
-
 	await read();
 	return () => read().catch( () => {} );
 }

@@ -7,6 +7,7 @@ import { keep, kept } from '../service/kept.js';
 import { choice, slider } from '../viewer/controls.js';
 import { lightsPanel } from '../viewer/lights.js';
 import { modelOf, NAMED, textOf } from '../viewer/models.js';
+import { planned } from '../viewer/planned.js';
 import { picture } from '../viewer/picture.js';
 import { CHOICES, DIFFUSE, isPictured, link, MOST_PIXELS, PARAMETERS, read } from '../viewer/scene.js';
 import { stage } from '../viewer/stage.js';
@@ -49,13 +50,18 @@ export async function show( root, rest, parameters, signal ) {
 		pointed = place;
 		requestFrame();
 	} );
+	const dropped = planned( ( name ) => {
+		if ( ! lefts.some( ( [ known ] ) => known === name ) ) lefts.push( [ name, `planned table ${ short( name ) }` ] );
+		table.offer( lefts, name );
+		change( 'table', name );
+	}, signal );
 	const place = el( 'div', { class: 'stage' }, canvas, overlay.root );
-
 	fill( root,
 		bar( 'Viewer', null, copyButton( 'Copy link', () => location.href ) ),
 		el( 'div', { class: 'view' },
 			el( 'div', { class: 'shown' }, place, muted( 'Drag to orbit, scroll or pinch to zoom, double-click to reset. Drag a light or its two handles; hold Shift to move it nearer or farther.' ), figures ),
 			el( 'form', { class: 'controls', onsubmit: ( event ) => event.preventDefault() },
+				dropped.root,
 				group( 'Compare', table.row, against.row, sides.row, split.row ),
 				group( 'Surface', surface.row, el( 'div', { class: 'field' }, el( 'label', { for: 'mesh' }, 'glTF' ), el( 'div', { class: 'file' }, fileField( 'mesh', '.glb,.gltf', 'Open or drop a file', open ) ) ), opened, ofSurface, diffuse.row ),
 				group( 'Camera', rows( 'camera', 'exposure' ) ),
@@ -121,6 +127,7 @@ export async function show( root, rest, parameters, signal ) {
 			fill( opened, muted( [ `${ whole( triangles ) } triangles, ${ meshes.length } material${ meshes.length > 1 ? 's' : '' }`, ...notes ].join( '; ' ) ) );
 			scene.mesh = file.name;
 			change( 'surface', 'mesh' );
+			dropped.start( file, meshes );
 		} catch ( error ) {
 			fill( opened, notice( `${ file.name }: ${ error.message }` ) );
 		}
@@ -133,7 +140,6 @@ export async function show( root, rest, parameters, signal ) {
 		fill( opened, notice( `This browser does not have ${ scene.mesh || 'the glTF file' } of the link. Drop the file here to see it.` ) );
 		change( 'surface', CHOICES.surface[ 0 ] );
 	}
-
 	takeDrops( place, open );
 
 	/** Draws the scene again, starting with the first sample. */
@@ -158,6 +164,7 @@ export async function show( root, rest, parameters, signal ) {
 		lights.show();
 		// A glTF file has its own materials.
 		ofSurface.hidden = scene.surface === 'mesh';
+		dropped.hide( scene.surface !== 'mesh' );
 		diffuse.row.hidden = scene.surface !== 'mesh' && ! DIFFUSE[ scene.metal ];
 	}
 
@@ -174,6 +181,7 @@ export async function show( root, rest, parameters, signal ) {
 		try {
 			last = drawn.draw( scene, size(), mesh, lit, lights.layers, prefilter );
 			showFigures();
+			if ( last.ofMeshes ) dropped.showErrors( last.ofMeshes );
 		} catch ( error ) {
 			return failed( error );
 		}
@@ -206,7 +214,6 @@ export async function show( root, rest, parameters, signal ) {
 			facts( [ [ 'Samples', whole( samples ) ], [ 'Noise of the truth', errors ? percent( errors.noise, 2 ) : '–' ], [ 'Frame time', `${ milliseconds.toFixed( 1 ) } ms` ], [ 'Draw calls', calls ] ] ),
 			right && right.brdf !== left.brdf ? muted( `Two scattering models: ${ left.brdf } on the left, ${ right.brdf } on the right. Both use the colour of the left side.` ) : null );
 	}
-
 	showValues();
 	try {
 		start();
@@ -216,7 +223,6 @@ export async function show( root, rest, parameters, signal ) {
 	} catch ( error ) {
 		failed( error );
 	}
-
 	// The service may have stopped before it returned the models.
 	return () => lit || choose();
 }

@@ -2,8 +2,10 @@
 
 import { el, fill, muted, notice, section } from '../elements/dom.js';
 import { bytes, short } from '../elements/format.js';
+import { ENGINES, formOf } from '../elements/recipe.js';
 import { address, call, reach } from '../service/api.js';
 import { hasToken } from '../service/token.js';
+import { saveAs } from '../service/zip.js';
 
 /** Handles a click on a download link. Browsers send no token with links, so if there is a token, the page downloads the file itself. */
 export async function save( event ) {
@@ -13,10 +15,7 @@ export async function save( event ) {
 	const response = await reach( link.href );
 	if ( ! response.ok ) return link.after( notice( `the download failed: the service returned status ${ response.status }` ) );
 	const [ , given ] = /filename="([^"]+)"/.exec( response.headers.get( 'content-disposition' ) ) || [];
-	const saved = el( 'a', { href: URL.createObjectURL( await response.blob() ), download: given || link.pathname.split( '/' ).pop() } );
-	saved.click();
-	// By then the browser has read the file.
-	setTimeout( () => URL.revokeObjectURL( saved.href ), 60_000 );
+	saveAs( await response.blob(), given || link.pathname.split( '/' ).pop() );
 }
 
 /** The files of one export. When the element is opened, the page requests the files, and the service makes them. */
@@ -40,7 +39,6 @@ function files( digest, name, signal ) {
 				el( 'td', {}, el( 'code', { class: 'muted', title: file.digest }, short( file.digest ) ) ) ) ) ) ),
 			steps.length ? el( 'ol', { class: 'steps' }, steps.map( ( step ) => el( 'li', {}, step ) ) ) : null );
 	}
-
 	return details;
 }
 
@@ -50,9 +48,10 @@ export function downloads( digest, signal ) {
 	const showExports = ( { items } ) => {
 		// Names of formats contain a dot or a dash. Names of engines do not.
 		const [ engines, others ] = [ false, true ].map( ( isFormat ) => items.filter( ( { name } ) => /[.-]/.test( name ) === isFormat ).map( ( { name } ) => files( digest, name, signal ) ) );
-		fill( list, engines, el( 'details', { class: 'group' }, el( 'summary', {}, `Other formats (${ others.length })` ), el( 'div', { class: 'inner' }, others ) ) );
+		// An engine that reads another layout needs another table. Its recipe is the standard table in this layout.
+		const missing = ENGINES.filter( ( [ known ] ) => items.every( ( { name } ) => name !== known ) );
+		fill( list, engines, missing.length > 0 && muted( 'These engines read other layouts; fit a table for ', missing.map( ( [ , label, layout ], i ) => [ i ? ', ' : '', el( 'a', { href: formOf( { preset: 'standard', layout } ) }, label ) ] ), '.' ), el( 'details', { class: 'group' }, el( 'summary', {}, `Other formats (${ others.length })` ), el( 'div', { class: 'inner' }, others ) ) );
 	};
-
 	call( `/v1/tables/${ digest }/exports`, { signal } ).then( showExports, ( error ) => signal.aborted || fill( list, notice( error.message ) ) );
 	return section( 'downloads', 'Files for engines', list );
 }

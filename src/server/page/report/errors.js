@@ -66,7 +66,6 @@ export function errorMaps( digest, signal ) {
 				mark.setAttribute( 'x', c );
 				mark.setAttribute( 'y', last - r );
 			}
-
 			const roughness = [ alpha[ r ], ...( ratio === 1 ? [] : [ ratio * alpha[ r ] ] ) ].map( number ).join( ', ' );
 			const view = `view angle ${ degrees( theta[ c ] ) }${ ratio === 1 ? '' : `, azimuth ${ degrees( phi ) }` }`;
 			output.textContent = `alpha ${ roughness }, ${ view }: lobe error ${ percent( errors.width[ r ][ c ] ) } of the lobe’s width, light error ${ percent( errors.light[ r ][ c ], 2 ) } of the lobe’s energy`;
@@ -83,7 +82,6 @@ export function errorMaps( digest, signal ) {
 			event.preventDefault();
 			select( [ at[ 0 ] + way[ 0 ], at[ 1 ] + way[ 1 ] ] );
 		}
-
 		fill( figures, Object.entries( MAPS ).map( ( [ of, title ], i ) => el( 'figure', {}, el( 'figcaption', {}, title ), row( 'ends', `alpha ${ number( alpha[ last ] ) }` ),
 			el( 'div', {
 				class: 'map', tabindex: 0, role: 'application', 'aria-roledescription': 'map', onpointermove: point, onkeydown: step,
@@ -93,6 +91,5 @@ export function errorMaps( digest, signal ) {
 		row( 'scale', '0.1 %', '', '100 %' ) );
 		select( at ?? [ Math.floor( count / 2 ), Math.floor( count / 2 ) ] );
 	}
-
 	return { root: el( 'div', {}, figures, output ), show };
 }

@@ -54,7 +54,6 @@ export function plots( digest, recipe, before, signal ) {
 	function draw() {
 		errors.show( isRound ? '' : `?ratio=${ ratio.input.value }&phi=${ phi.input.value }` );
 	}
-
 	before.then( () => {
 		if ( signal.aborted ) return;
 		draw();

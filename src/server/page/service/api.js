@@ -52,7 +52,6 @@ export async function call( path, { method = 'GET', body, raw, type = 'applicati
 		signal?.throwIfAborted();
 		return call( path, { signal } );
 	}
-
 	const answer = /json/.test( response.headers.get( 'content-type' ) ) ? await response.json() : null;
 	if ( response.ok ) return answer;
 	throw new Problem( answer || { title: `the service returned status ${ response.status }` } );
@@ -67,7 +66,6 @@ export function constant( path ) {
 		responses.set( path, pending );
 		pending.catch( () => responses.delete( path ) );
 	}
-
 	return responses.get( path );
 }
 
@@ -80,7 +78,6 @@ export async function each( items, atOnce, signal, work ) {
 	const worker = async () => {
 		while ( left.length && ! signal.aborted ) await work( left.shift() );
 	};
-
 	await Promise.all( Array.from( { length: atOnce }, worker ) );
 }
 
@@ -105,7 +102,6 @@ export function watchService() {
 	const ask = async () => {
 		if ( ! document.hidden && ! awaited && ! await isUp() ) awaitService();
 	};
-
 	setInterval( ask, WATCH );
 	document.addEventListener( 'visibilitychange', ask );
 }

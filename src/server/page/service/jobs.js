@@ -1,6 +1,6 @@
 // Follows the changes of a job with Server-Sent Events.
 
-import { awaitService, reach } from './api.js';
+import { awaitService, call, reach } from './api.js';
 
 /** Whether a job can still change. */
 export const isActive = ( { state } ) => state === 'queued' || state === 'running';
@@ -28,7 +28,6 @@ export function follow( id, signal, onJob ) {
 		stream?.abort();
 		stream = null;
 	};
-
 	const receive = ( type, data ) => {
 		if ( type !== 'state' && type !== 'progress' ) return;
 		const job = JSON.parse( data );
@@ -46,22 +45,30 @@ export function follow( id, signal, onJob ) {
 		} catch {
 			// The connection broke, or `close` was called.
 		}
-
 		if ( own !== stream ) return;
 		// The service or a proxy closed the connection.
 		close();
 		awaitService();
 	}
-
 	const onVisibility = () => document.hidden ? close() : open();
 	const ended = new AbortController();
 	function end() {
 		close();
 		ended.abort();
 	}
-
 	document.addEventListener( 'visibilitychange', onVisibility, { signal: ended.signal } );
 	window.addEventListener( 'serviceback', open, { signal: ended.signal } );
 	signal.addEventListener( 'abort', end );
 	open();
+}
+
+/** The table of a recipe. Submits a job and waits for it; `onJob` gets its changes. */
+export async function fitted( recipe, signal, onJob ) {
+	const job = await call( '/v1/jobs', { method: 'POST', body: recipe, signal } );
+	if ( job.table ) return job.table;
+	return new Promise( ( done, failed ) => follow( job.id, signal, ( changed ) => {
+		if ( changed.table ) done( changed.table );
+		else if ( isActive( changed ) ) onJob( changed );
+		else failed( new Error( changed.error?.detail ?? `the job is ${ changed.state }` ) );
+	} ) );
 }

@@ -28,6 +28,5 @@ async function shown( image, from, signal ) {
 		// The page shows the alternative text. If the service was lost, the picture is loaded again when it is back.
 		window.addEventListener( 'serviceback', () => load( image, from, signal ), { once: true, signal } );
 	}
-
 	if ( image.src.startsWith( 'blob:' ) ) URL.revokeObjectURL( image.src );
 }

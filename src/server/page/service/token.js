@@ -36,7 +36,6 @@ function asked( isRefused ) {
 			dialog.remove();
 			answered( isGiven );
 		};
-
 		const form = el( 'form', { onsubmit: ( event ) => {
 			event.preventDefault();
 			end( true );

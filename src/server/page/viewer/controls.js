@@ -16,7 +16,6 @@ export function slider( { name, label, min, max, step }, prefix, change ) {
 		input.value = values[ name ];
 		output.textContent = number( values[ name ] );
 	};
-
 	return { name, row, show };
 }
 
@@ -27,7 +26,6 @@ export function choice( id, label, options, value, change ) {
 		fill( select, options.map( ( option ) => [ option ].flat() ).map( ( [ option, text = option ] ) => el( 'option', { value: option }, text ) ) );
 		select.value = value;
 	};
-
 	offer( options, value );
 	return { row: el( 'div', { class: 'field' }, el( 'label', { for: id }, label ), select ), offer };
 }

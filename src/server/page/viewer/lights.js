@@ -13,7 +13,6 @@ export function lightsPanel( scene, changed, again ) {
 		scene.lights[ chosen ][ name ] = value;
 		changed();
 	};
-
 	const shape = choice( 'view-light_shape', 'Shape', shapes, scene.lights[ 0 ].shape, ( value ) => change( 'shape', value ) );
 	const sides = choice( 'view-light_sides', 'Shines from', Object.entries( LIT_SIDES ), '', ( value ) => change( 'sides', value ) );
 	const tint = el( 'input', { type: 'color', id: 'view-light_colour', oninput: () => change( 'colour', tint.value ) } );
@@ -54,7 +53,6 @@ export function lightsPanel( scene, changed, again ) {
 		// `changed` has replaced the buttons, so the new button needs the focus.
 		numbers.children[ i ].focus();
 	}
-
 	return {
 		row: [ el( 'div', { class: 'bar' }, numbers, el( 'span', { class: 'grow' } ), add, remove ), shape.row, colour, sides.row, shown.row, sliders.map( ( { row } ) => row ) ],
 		show,

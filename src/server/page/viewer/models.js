@@ -12,14 +12,15 @@ async function fetched( path ) {
 	return response;
 }
 
-/** Size and texels of an uncompressed KTX2 file with 32-bit floats. */
+/** Size and texels of an uncompressed KTX2 file with floats of 32 or 16 bits. */
 function texels( buffer ) {
 	const view = new DataView( buffer );
 	const word = ( at ) => view.getUint32( at, true );
-	// Header: KTX 2.0 specification, section 3. Format 109 is R32G32B32A32_SFLOAT.
-	if ( word( 12 ) !== 109 || word( 44 ) !== 0 ) throw new Error( 'the texture must be uncompressed, with four 32-bit floats per texel' );
+	// Header: KTX 2.0 specification, section 3. Formats: R32G32B32A32_SFLOAT and R16G16B16A16_SFLOAT.
+	const [ name, Of ] = { 109: [ 'numbers', Float32Array ], 97: [ 'halves', Uint16Array ] }[ word( 12 ) ] || [];
+	if ( ! Of || word( 44 ) !== 0 ) throw new Error( 'the texture must be uncompressed, with four floats per texel' );
 	const [ width, height, depth ] = [ word( 20 ), word( 24 ), Math.max( word( 28 ), 1 ) ];
-	return { width, height, depth, numbers: new Float32Array( buffer.slice( word( 80 ), word( 80 ) + 16 * width * height * depth ) ) };
+	return { width, height, depth, [ name ]: new Of( buffer.slice( word( 80 ), word( 80 ) + 4 * Of.BYTES_PER_ELEMENT * width * height * depth ) ) };
 }
 
 const known = new Map();
@@ -46,9 +47,8 @@ async function shipped( name, file ) {
 }
 
 /** The reason why the viewer cannot show a table, or an empty text. The viewer's shaders support only LTCs, and its reference supports few scattering models. */
-function unsupported( { brdf, lobe, layout } ) {
+function unsupported( { brdf, lobe } ) {
 	if ( ! hasReference( brdf ) ) return `The viewer has references only for GGX and sheen, and this table is for ${ brdf }. The table’s page shows a picture with a reference.`;
-	if ( layout === 'materials' ) return 'This table is for a list of materials, which the viewer cannot show. The table’s page shows a picture.';
 	return lobe ? `The viewer shows only LTCs, and this table has lobes of type ${ lobe }. The table’s page shows a picture.` : '';
 }
 

@@ -22,7 +22,7 @@ function nice( value ) {
 /** The picture on a canvas. */
 export function picture( canvas ) {
 	const gpu = device( canvas );
-	let [ frames, samples, perFrame, calls, isMoving ] = [ 0, 0, 8, 0, false ];
+	let [ frames, samples, measured, perFrame, calls, isMoving ] = [ 0, 0, 4, 8, 0, false ];
 	let [ errors, scale ] = [ null, 0.2 ];
 	let meshes = [];
 
@@ -41,10 +41,9 @@ export function picture( canvas ) {
 
 	/** Whether the light of a surface has a diffuse part. */
 	const hasDiffuse = ( scene, own ) => scene.diffuse === 'on' && ( meshes.length ? meshes : [ { material: own } ] ).some( ( { material, textures } ) => textures || material.diffuse?.some( ( channel ) => channel > 0 ) );
-
 	return {
 		/** Forgets all sums, after a change of the scene. */
-		restart: () => [ frames, samples ] = [ 0, 0 ],
+		restart: () => [ frames, samples, measured ] = [ 0, 0, 4 ],
 		/** Draws a frame of a scene. `opened` are the meshes of a file, `models` both sides, where null is the truth, and `layers` the pictures on lights. */
 		draw( scene, size, opened, models, layers, prefilter ) {
 			const since = performance.now();
@@ -83,16 +82,17 @@ export function picture( canvas ) {
 			frames ++;
 			const weights = { size, has_right: Number( Boolean( other ) ), model_weight: 1 / ( meshes.length ? Math.min( frames, PLACES ) : 1 ), truth_weight: 1 / samples };
 			errors = gpu.errors( weights );
+			// Measuring each mesh takes time, so it is done each time that the number of samples has doubled.
+			const ofMeshes = scene.surface === 'mesh' && ( samples >= 2 * measured || samples >= scene.spp ) ? meshes.map( ( _, i ) => errors && gpu.errors( weights, i, errors ) ) : null;
+			if ( ofMeshes ) measured = samples;
 			scale = nice( errors?.difference || scale );
-			const display = () => gpu.display( { ...weights, exposure: scene.exposure, split: scene.split, show: CHOICES.show.indexOf( scene.show ), difference_scale: scale, has_glow: Number( scene.glow === 'on' ), has_diffuse: Number( diffuse ) } );
-			display();
+			gpu.display( { ...weights, exposure: scene.exposure, split: scene.split, show: CHOICES.show.indexOf( scene.show ), difference_scale: scale, has_glow: Number( scene.glow === 'on' ), has_diffuse: Number( diffuse ) } );
 			const milliseconds = performance.now() - since;
-			const used = perFrame;
 			if ( milliseconds > SLOW ) perFrame = Math.max( FEWEST, perFrame / 2 );
 			else if ( milliseconds < FAST ) perFrame = Math.min( MANY, perFrame * 2 );
 			// The last frame ends with the last sample.
 			while ( samples < scene.spp && ( scene.spp - samples ) % perFrame ) perFrame /= 2;
-			return { samples, milliseconds, calls, errors, scale, used, isDone: samples >= scene.spp && ! isMoving, isMoving };
+			return { samples, milliseconds, calls, errors, ofMeshes, scale, isDone: samples >= scene.spp && ! isMoving, isMoving };
 		},
 		/** The radiance of both sides and of the truth at a pixel: the means of the channels. Missing sides are null, and so is a pixel beside the surface. */
 		at( x, y ) {

@@ -210,7 +210,6 @@ export function uniformsOf( lights ) {
 		made.light_normal.push( four( normal, area ) );
 		for ( let i = 0; i < 8; i ++ ) made.light_vertices.push( four( vertices[ i ] || [ 0, 0, 0 ], ( upTo[ i ] || 0 ) / area ) );
 	}
-
 	return { uniforms: made, shapes: made.light_shape.reduce( ( bits, shape ) => bits | 1 << shape, layers && 16 ) };
 }
 

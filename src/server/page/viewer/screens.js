@@ -18,7 +18,6 @@ function drawSigns( to, width, height ) {
 		to.fillRect( x * width, 0.12 * height, side * width, side * height );
 		x += 1.35 * side;
 	}
-
 	to.fillStyle = '#000000';
 	for ( let i = 0; i < 24; i += 2 ) to.fillRect( Math.round( i * width / 24 ), Math.round( 0.8 * height ), Math.round( width / 24 ), Math.ceil( 0.2 * height ) );
 }
@@ -48,7 +47,6 @@ async function read( file ) {
 		URL.revokeObjectURL( address );
 		throw new Error( `${ file.name }: this browser cannot show the file; open another image or video` );
 	}
-
 	return { name: file.name, shown, isVideo, release() {
 		shown.removeAttribute( 'src' );
 		URL.revokeObjectURL( address );
@@ -106,7 +104,6 @@ export function screens( change, again ) {
 		to.imageSmoothingQuality = 'high';
 		to.drawImage( opened.shown, 0, 0, width, height );
 	}
-
 	const canvases = [];
 	updatePlayback();
 	return {

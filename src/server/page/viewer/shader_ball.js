@@ -54,7 +54,6 @@ function append( numbers, { rows, columns, profile, tilt = 0, up = 0 } ) {
 		const place = turned( [ r * sine, y, r * cosine ] );
 		return [ place[ 0 ], place[ 1 ] + up, place[ 2 ], ...turned( [ - dy / length * sine, dr / length, - dy / length * cosine ] ), ...turned( [ cosine, 0, - sine ] ), 1 ];
 	};
-
 	for ( let row = 0; row < rows; row ++ ) for ( let column = 0; column < columns; column ++ ) {
 		const [ a, b, d, e ] = [ corner( row, column ), corner( row, column + 1 ), corner( row + 1, column ), corner( row + 1, column + 1 ) ];
 		numbers.push( ...a, ...d, ...b, ...b, ...d, ...e );

@@ -145,6 +145,5 @@ export function stage( scene, lights, change, point ) {
 		const ofArm = middle && end ? { x1: middle.x, y1: - middle.y, x2: end.x, y2: - end.y } : { x1: 2, x2: 2, y1: 0, y2: 0 };
 		for ( const [ line, places ] of [ [ border, ofBorder ], [ grip, ofBorder ], [ arm, ofArm ] ] ) for ( const [ name, value ] of Object.entries( places ) ) line.setAttribute( name, value );
 	}
-
 	return { root, draw };
 }

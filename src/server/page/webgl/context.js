@@ -16,7 +16,6 @@ export function program( gl, fragment, vertex = VERTEX ) {
 		if ( ! gl.getShaderParameter( shader, gl.COMPILE_STATUS ) ) throw new Error( gl.getShaderInfoLog( shader ) || 'the WebGL context was lost' );
 		gl.attachShader( made, shader );
 	}
-
 	gl.linkProgram( made );
 	if ( ! gl.getProgramParameter( made, gl.LINK_STATUS ) ) throw new Error( gl.getProgramInfoLog( made ) || 'the WebGL context was lost' );
 	// Other types are integers or samplers.
@@ -27,7 +26,6 @@ export function program( gl, fragment, vertex = VERTEX ) {
 		const [ at, setter ] = [ gl.getUniformLocation( made, name ), setters[ type ] || 'uniform1iv' ];
 		uniforms.set( name.replace( '[0]', '' ), ( value ) => gl[ setter ]( at, [ value ].flat( 2 ) ) );
 	}
-
 	return { made, uniforms };
 }
 

@@ -12,12 +12,12 @@ import { MESH_VERTEX, meshShader, SURFACE_SHADER } from './surface.js';
 /** Names of the textures that store the surface at each pixel. */
 const SURFACE_TEXTURES = [ 'surface_position', 'surface_tangent', 'surface_normal', 'surface_f0' ];
 
-/** A texture of a model: a volume of 32-bit floats, which the shader interpolates, or an image of half floats, which the sampler interpolates. */
+/** A texture of a model: a volume, which the shader interpolates, or an image of half floats, which the sampler interpolates. */
 function ofModel( gl, { name, width, height, depth, numbers, halves } ) {
-	const type = halves ? gl.TEXTURE_2D : gl.TEXTURE_3D;
-	const fill = () => halves ? gl.texImage2D( type, 0, gl.RGBA16F, width, height, 0, gl.RGBA, gl.HALF_FLOAT, halves )
-		: gl.texImage3D( type, 0, gl.RGBA32F, width, height, depth, 0, gl.RGBA, gl.FLOAT, numbers );
-	return { name, type, texture: texture( gl, type, fill, halves ? gl.LINEAR : gl.NEAREST ) };
+	const type = depth ? gl.TEXTURE_3D : gl.TEXTURE_2D;
+	const format = [ gl.RGBA, halves ? gl.HALF_FLOAT : gl.FLOAT, halves ?? numbers ];
+	const fill = () => depth ? gl.texImage3D( type, 0, halves ? gl.RGBA16F : gl.RGBA32F, width, height, depth, 0, ...format ) : gl.texImage2D( type, 0, gl.RGBA16F, width, height, 0, ...format );
+	return { name, type, texture: texture( gl, type, fill, depth ? gl.NEAREST : gl.LINEAR ) };
 }
 
 /** A texture of a mesh: an image with mipmaps, or one pixel. */
@@ -102,7 +102,6 @@ export function device( canvas ) {
 		const before = count ? pair[ 0 ].textures : surfaceTarget.textures;
 		run( shader, pair.at( - 1 ), values, [ ...bound, ...names.map( ( name, i ) => ( { name, texture: before[ i ] } ) ) ] );
 	}
-
 	const sides = () => [ ...surface(), { name: 'left_sum', texture: newest( 'left' )[ 0 ] }, { name: 'right_sum', texture: newest( 'right' )[ 0 ] }, { name: 'even_sum', texture: newest( 'truth' )[ 0 ] }, { name: 'odd_sum', texture: newest( 'truth' )[ 1 ] },
 		{ name: 'glow_sum', texture: newest( 'glow' )[ 0 ] }, { name: 'diffuse_sum', texture: newest( 'diffuse' )[ 0 ] } ];
 
@@ -114,7 +113,6 @@ export function device( canvas ) {
 		gl.readPixels( x, y, width, height, gl.RGBA, gl.FLOAT, numbers );
 		return numbers;
 	}
-
 	return {
 		/** Sets the number of pixels per side. */
 		resize( pixels ) {
@@ -137,11 +135,11 @@ export function device( canvas ) {
 			SURFACE_TEXTURES.forEach( ( _, i ) => gl.clearBufferfv( gl.COLOR, i, [ 0, 0, 0, 0 ] ) );
 			gl.clear( gl.DEPTH_BUFFER_BIT );
 			gl.enable( gl.DEPTH_TEST );
-			for ( const { numbers, uv, textures, ofMaterial } of meshes ) {
+			for ( const [ number, { numbers, uv, textures, ofMaterial } ] of meshes.entries() ) {
 				const shader = once( `mesh ${ Boolean( textures ) }`, () => program( gl, meshShader( Boolean( textures ) ), MESH_VERTEX ) );
 				const bound = Object.entries( textures || {} ).map( ( [ name, image ] ) => ( { name, texture: once( image, () => ofMesh( gl, image ) ) } ) );
 				gl.bindVertexArray( once( numbers, () => corners( gl, numbers, uv ) ).array );
-				run( shader, surfaceTarget, { ...uniforms, ...ofMaterial }, bound, numbers.length / 10 );
+				run( shader, surfaceTarget, { ...uniforms, ...ofMaterial, number }, bound, numbers.length / 10 );
 			}
 			gl.disable( gl.DEPTH_TEST );
 			gl.bindVertexArray( null );
@@ -192,20 +190,23 @@ export function device( canvas ) {
 		},
 		/**
 		 * The errors of both sides against the truth: mean and largest, the noise of the truth (root of the mean square), all relative to
-		 * the mean light, and the difference of radiance that 95 % of the blocks do not exceed.
+		 * the mean light, and the difference of radiance that 95 % of the blocks do not exceed. Measures
+		 * all pixels, or those of a mesh by its number, relative to the light of the result for all pixels. Returns null without light.
 		 */
-		errors( uniforms ) {
-			run( once( 'errors', () => program( gl, ERRORS_SHADER ) ), blocks, { ...uniforms, block: Math.ceil( size / BLOCKS ) }, sides() );
+		errors( uniforms, number = - 1, whole = null ) {
+			run( once( 'errors', () => program( gl, ERRORS_SHADER ) ), blocks, { ...uniforms, number, block: Math.ceil( size / BLOCKS ) }, sides() );
 			const [ sums, others ] = [ 0, 1 ].map( ( i ) => read( blocks, i, 0, 0, BLOCKS, BLOCKS ) );
 			const column = ( numbers, c ) => Array.from( { length: BLOCKS * BLOCKS }, ( _, i ) => numbers[ 4 * i + c ] );
 			const sum = ( values ) => values.reduce( ( a, b ) => a + b, 0 );
 			const [ pixels, light, ...off ] = [ 0, 1, 2, 3 ].map( ( c ) => sum( column( sums, c ) ) );
-			if ( ! ( light > 0 ) ) return null;
+			const ofAll = whole?.light ?? light / pixels;
+			if ( ! ( ofAll > 0 && pixels > 0 ) ) return null;
 			const largest = [ 0, 1 ].map( ( c ) => column( others, c ).reduce( ( a, b ) => Math.max( a, b ), 0 ) );
 			const differences = column( others, 3 ).filter( ( _, i ) => sums[ 4 * i ] > 0 ).sort( ( a, b ) => a - b );
 			return {
-				sides: [ 0, 1 ].map( ( i ) => ( { mean: Math.max( off[ i ], 0 ) / light, worst: largest[ i ] * pixels / light } ) ),
-				noise: Math.sqrt( sum( column( others, 2 ) ) * pixels ) / light,
+				sides: [ 0, 1 ].map( ( i ) => ( { mean: Math.max( off[ i ], 0 ) / pixels / ofAll, worst: largest[ i ] / ofAll } ) ),
+				noise: Math.sqrt( sum( column( others, 2 ) ) / pixels ) / ofAll,
+				light: ofAll,
 				difference: differences[ Math.floor( 0.95 * ( differences.length - 1 ) ) ],
 			};
 		},

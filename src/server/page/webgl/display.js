@@ -82,7 +82,9 @@ void main() {
  * and its amount from the other half, so noise adds nothing to the mean.
  */
 export const ERRORS_SHADER = `${ HEAD }${ SIDES }
-uniform int size, block;
+uniform sampler2D surface_position;
+/** The number of the mesh to measure, or -1 for all. */
+uniform int size, block, number;
 /** Sums: pixels, truth, error of the left side, error of the right side. */
 layout( location = 0 ) out vec4 sums;
 /** Largest error of the left and of the right side, sum of the squared noise, largest difference of both sides. */
@@ -100,7 +102,7 @@ void main() {
 		ivec2 texel = ivec2( x, y );
 		vec4 left = left_of( texel ), right = right_of( texel );
 		// A pixel at an edge has the light of several surfaces.
-		if ( left.w < 0.999 ) continue;
+		if ( left.w < 0.999 || number >= 0 && int( texelFetch( surface_position, texel, 0 ).w ) != 1 + number ) continue;
 		float even = mean( texelFetch( even_sum, texel, 0 ) ) * 2.0 * truth_weight, odd = mean( texelFetch( odd_sum, texel, 0 ) ) * 2.0 * truth_weight;
 		vec2 of_left = error_of( mean( left ), even, odd ), of_right = has_right != 0 ? error_of( mean( right ), even, odd ) : vec2( 0.0 );
 		sums += vec4( 1.0, 0.5 * ( even + odd ), of_left.x, of_right.x );

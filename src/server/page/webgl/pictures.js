@@ -41,7 +41,6 @@ export function pictures( gl, run, text, width, height, layers ) {
 	function pass( name, to, level, source, above = source ) {
 		run( passes[ name ], to, { width, height, at_level: level }, [ { name: 'prefilter_source', texture: source }, { name: 'prefilter_above', texture: above } ] );
 	}
-
 	return {
 		shown, pyramids,
 		/** The argument `base` of the models' shaders: log2 of the geometric mean of both sides, minus 1. */

@@ -1,6 +1,7 @@
 // The surface at each pixel, in GLSL ES: a sphere or a floor as in previews, or a mesh.
 //
-// The programs write position, tangent frame and material to textures, which all other programs of the viewer read.
+// The programs write position, tangent frame and material to textures, which all other programs of the viewer read. The w of a
+// position is the coverage, or 1 plus the number of the mesh.
 
 /** Precisions. Without one, the values of a sampler may have 16 bits. */
 export const PRECISE = 'precision highp float;\nprecision highp int;\nprecision highp sampler2D;\nprecision highp sampler2DArray;\n';
@@ -121,6 +122,8 @@ in vec3 at_place, at_normal;
 in vec4 at_tangent;
 uniform vec3 f0, diffuse;
 uniform vec4 material;
+/** The number of the mesh. */
+uniform int number;
 ${ isTextured ? TEXTURED : '' }
 void main() {
 	vec3 normal = normalize( gl_FrontFacing ? at_normal : - at_normal );
@@ -130,7 +133,7 @@ ${ isTextured ? '	normal = bent( normal );\n	read_textures( reflected, scattered
 	vec3 along = dot( at_tangent.xyz, at_tangent.xyz ) > 1e-12 ? at_tangent.xyz : vec3( normal.z, 0.0, - normal.x );
 	along -= normal * dot( normal, along );
 	along = dot( along, along ) > 1e-8 ? normalize( along ) : normalize( cross( normal, abs( normal.x ) > 0.7 ? vec3( 0.0, 1.0, 0.0 ) : vec3( 1.0, 0.0, 0.0 ) ) );
-	out_place = vec4( at_place, 1.0 );
+	out_place = vec4( at_place, float( 1 + number ) );
 	out_tangent = vec4( material.z * along + material.w * at_tangent.w * cross( normal, along ), alpha.x );
 	out_normal = vec4( normal, alpha.y );
 	out_f0 = vec4( reflected, packed( scattered ) );
@@ -149,7 +152,7 @@ Shaded shaded_point() {
 	vec4 normal = texelFetch( surface_normal, texel, 0 );
 	Shaded at;
 	at.position = place.xyz;
-	at.coverage = place.w;
+	at.coverage = min( place.w, 1.0 );
 	at.x = tangent.xyz;
 	at.z = normal.xyz;
 	at.y = cross( at.z, at.x );

@@ -1,0 +1,127 @@
+// A dropped scene: its plan, its materials with their errors, and the files for an engine.
+
+import { el, fill, muted, notice } from '../elements/dom.js';
+import { bytes, number, percent, span } from '../elements/format.js';
+import { ENGINES, ownRecipe } from '../elements/recipe.js';
+import { call, reach } from '../service/api.js';
+import { fitted } from '../service/jobs.js';
+import { saveAs, zip } from '../service/zip.js';
+import { choice } from './controls.js';
+
+/** Seconds that a planned table may take without a question. */
+const AT_ONCE = 10;
+/** The sRGB byte of a linear number. */
+const srgb = ( y ) => Math.round( 255 * ( y <= 0.0031308 ? 12.92 * y : 1.055 * y ** ( 1 / 2.4 ) - 0.055 ) );
+
+async function downloaded( path ) {
+	const response = await reach( path );
+	if ( ! response.ok ) throw new Error( `${ path }: the service returned status ${ response.status }` );
+	return new Uint8Array( await response.arrayBuffer() );
+}
+
+/** The panel of a scene. `show` is called with the model for the left side. */
+export function planned( show, signal ) {
+	let [ turn, scene, plan, digest, timer ] = [ 0, null, null, null, 0 ];
+	let rows = [];
+	const status = el( 'div', { role: 'status' } );
+	const words = el( 'div' );
+	const models = el( 'p', { class: 'actions' } );
+	const materials = el( 'tbody' );
+	let engine = ENGINES[ 0 ];
+	const engines = choice( 'view-engine', 'Engine', ENGINES, engine[ 0 ], ( value ) => {
+		engine = ENGINES.find( ( [ name ] ) => name === value );
+		label();
+	} );
+	const files = el( 'button', { type: 'button', class: 'primary', onclick: () => save().catch( failed ) } );
+	const label = () => files.textContent = `Files for ${ engine[ 1 ] }`;
+	label();
+	const root = el( 'fieldset', { class: 'scene', hidden: true }, el( 'legend', {}, 'This scene' ), status, words, models,
+		el( 'div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Materials' }, el( 'table', { class: 'figures' }, el( 'thead', {}, el( 'tr', {}, [ 'Material', 'roughness', 'mean error' ].map( ( name, i ) => el( 'th', { scope: 'col', class: i ? 'number' : null }, name ) ) ) ), materials ) ),
+		engines.row, el( 'div', {}, files ) );
+
+	/** Shows what the page does, with the seconds since it began, or the progress from 0 to 1. */
+	function busy( text, progress ) {
+		clearInterval( timer );
+		const since = performance.now();
+		const seconds = el( 'span', { class: 'muted', 'aria-hidden': 'true' } );
+		fill( status, el( 'div', { class: 'progress' }, el( 'span', {}, text ), el( 'progress', { 'aria-label': text, max: 1, value: progress } ), seconds ) );
+		if ( progress === undefined ) timer = setInterval( () => seconds.textContent = span( ( performance.now() - since ) / 1000 ), 500 );
+	}
+
+	function idle( ...shown ) {
+		clearInterval( timer );
+		fill( status, shown );
+	}
+	const failed = ( error ) => signal.aborted || idle( notice( error.message ), ( error.document?.errors ?? [] ).map( ( { pointer, detail } ) => muted( `${ pointer }: ${ detail }` ) ) );
+	signal.addEventListener( 'abort', () => clearInterval( timer ) );
+
+	/** The table of a recipe. Shows the progress of its job. */
+	const tableOf = ( recipe ) => fitted( recipe, signal, ( { progress: { entries_done: done, entries_total: all } } ) => busy( 'Fitting the table…', done / all ) );
+
+	async function fit() {
+		const own = turn;
+		busy( 'Fitting the table…', 0 );
+		const found = await tableOf( ownRecipe( plan.recipe ) );
+		if ( own !== turn ) return;
+		digest = found;
+		idle();
+		offer();
+		show( digest );
+	}
+
+	/** The buttons for the left side. */
+	function offer() {
+		const button = ( text, onclick ) => el( 'button', { type: 'button', class: 'quiet', onclick }, text );
+		fill( models, button( 'Engines’ table', () => show( 'engines' ) ), button( 'Closed form', () => show( plan?.model === 'ltc-formula' ? 'ltc-formula' : '' ) ),
+			plan && button( digest ? 'Planned table' : `Fit the planned table: ${ bytes( plan.predicted.bytes ) }, ${ span( plan.predicted.seconds ) }`, () => digest ? show( digest ) : fit().catch( failed ) ) );
+	}
+
+	/** Saves the files for the engine with an include and a README. An engine with a layout of its own gets the standard table in this layout. */
+	async function save() {
+		const [ name, called, layout ] = engine;
+		busy( 'Making the files…' );
+		const table = await tableOf( plan && ( ! layout || layout === plan.recipe.layout ) ? ownRecipe( plan.recipe ) : { preset: 'standard', ...( layout && { layout } ) } );
+		const made = await call( `/v1/tables/${ table }/exports/${ name }`, { signal } );
+		const { recipe } = await call( `/v1/tables/${ table }/manifest`, { signal } );
+		const include = `ltc-${ recipe.layout }${ typeof recipe.fresnel === 'string' && recipe.fresnel !== 'one' ? '-two-lobes' : '' }.glsl`;
+		const packed = await Promise.all( [ ...made.files.map( ( { path, url } ) => [ path, url ] ), [ `include/${ include }`, `/page/${ include }` ] ].map( async ( [ path, url ] ) => ( { path, bytes: await downloaded( url ) } ) ) );
+		const lines = [ `# Area lights for ${ scene.name } in ${ called }`, '', `Table ${ table }.`, '', ...( plan?.summary ?? [] ).map( ( line ) => `- ${ line }` ), '', '## Steps', '',
+			...made.steps.map( ( step, i ) => `${ i + 1 }. ${ step }` ), '', `\`include/${ include }\` is the shader for a renderer of your own, in GLSL ES 3.00.`, '', '## Recipe', '', '```json', JSON.stringify( recipe, null, 2 ), '```', '' ];
+		saveAs( zip( [ { path: 'README.md', bytes: new TextEncoder().encode( lines.join( '\n' ) ) }, ...packed ] ), `${ scene.name.replace( /\.\w+$/, '' ) }-${ name }.zip` );
+		idle( muted( `Saved ${ packed.length + 1 } files.` ) );
+	}
+	return {
+		root,
+		/** Plans the tables of a file, and lists its materials. */
+		async start( file, meshes ) {
+			const own = ++ turn;
+			[ scene, plan, digest ] = [ file, null, null ];
+			root.hidden = false;
+			fill( words );
+			offer();
+			rows = meshes.map( ( { name, material } ) => {
+				const error = el( 'td', { class: 'number' }, '–' );
+				const swatch = el( 'span', { class: 'swatch', 'aria-hidden': 'true' } );
+				swatch.style.background = `rgb(${ material.factors.base.map( srgb ) })`;
+				const { alpha_x: x, alpha_y: y } = material;
+				return { error, row: el( 'tr', {}, el( 'th', { scope: 'row' }, swatch, name ), el( 'td', { class: 'number' }, x === y ? number( x ) : `${ number( x ) }, ${ number( y ) }` ), error ) };
+			} );
+			fill( materials, rows.map( ( { row } ) => row ) );
+			busy( 'Planning the best table for this scene…' );
+			try {
+				const { summary, plan: answer } = await call( '/v1/plans', { method: 'POST', raw: file, type: 'model/gltf-binary', signal } );
+				if ( own !== turn || signal.aborted ) return;
+				plan = answer.tables[ 0 ] && { ...answer.tables[ 0 ], summary };
+				fill( words, summary.slice( 0, 2 ).map( ( line ) => el( 'p', {}, line ) ), summary.length > 2 && el( 'details', {}, el( 'summary', {}, 'More about the plan' ), el( 'div', {}, summary.slice( 2 ).map( ( line ) => muted( line ) ) ) ), answer.scene.materials.filter( ( { not_covered } ) => not_covered?.length ).map( ( { name, not_covered } ) => muted( `${ name }: no table covers ${ not_covered.map( ( part ) => part.kind ?? part ).join( ', ' ) }` ) ) );
+				idle();
+				offer();
+				if ( plan && plan.predicted.seconds <= AT_ONCE ) await fit();
+			} catch ( error ) {
+				if ( own === turn ) failed( error );
+			}
+		},
+		/** Shows the mean error of each material, or null for a material that is not visible. */
+		showErrors: ( errors ) => errors.forEach( ( error, i ) => rows[ i ] && fill( rows[ i ].error, error ? percent( error.sides[ 0 ].mean, 2 ) : 'not visible' ) ),
+		hide: ( isHidden ) => root.hidden = isHidden || ! scene,
+	};
+}
