@@ -21,6 +21,14 @@ pub enum LightError {
         /// in line.
         vertices: [usize; 3],
     },
+    /// A polygon has a vertex outside of the plane of the others.
+    #[error("the light is not planar: vertex {index} is {distance:.2e} of the largest coordinate away from its plane")]
+    NotPlanar {
+        /// The index of the vertex, from zero.
+        index: usize,
+        /// Its distance, relative to the largest coordinate.
+        distance: f64,
+    },
     /// The shaded point lies on the outline. The light then has no direction.
     #[error("the shaded point lies on the edge that begins at vertex {edge}")]
     OnOutline {

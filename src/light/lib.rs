@@ -20,6 +20,7 @@ mod model;
 mod polygon;
 mod refracted;
 mod rules;
+pub mod sample;
 mod shaped;
 mod shapes;
 #[cfg(test)]

@@ -11,6 +11,9 @@ use ltcforge_fit::{Sides, math::atan2};
 /// more than this part of the largest squared distance times the longest edge. Rounding to f32 moves vertices by less.
 const STRAIGHT: f64 = 1e-6;
 
+/// The largest distance of a vertex from the plane of the polygon, relative to the largest coordinate.
+const FLAT: f64 = 1e-4;
+
 /// The tolerance for an edge through the shaded point, relative to the distance of the farthest vertex.
 const TOUCHING: f64 = 1e-12;
 
@@ -62,6 +65,23 @@ impl PolygonLight {
     #[must_use]
     pub fn vertices(&self) -> &[DVec3] {
         &self.vertices
+    }
+
+    /// Checks that all vertices lie in one plane. The closed forms do not need this, because they depend only on
+    /// directions.
+    ///
+    /// # Errors
+    /// [`LightError::NotPlanar`].
+    pub fn check_plane(&self) -> Result<(), LightError> {
+        let first = self.vertices[0];
+        let edges = || self.vertices.iter().zip(self.vertices.iter().cycle().skip(1));
+        let normal: DVec3 = edges().map(|(a, b)| (*a - first).cross(*b - first)).sum();
+        let normal = normal.normalize_or_zero();
+        let away = |v: &DVec3| (*v - first).dot(normal).abs();
+        match (0..self.vertices.len()).find(|index| away(&self.vertices[*index]) > FLAT) {
+            Some(index) => Err(LightError::NotPlanar { index, distance: away(&self.vertices[index]) }),
+            None => Ok(()),
+        }
     }
 
     /// The sides from which the light is visible.
