@@ -21,6 +21,7 @@ mod polygon;
 mod refracted;
 mod rules;
 pub mod sample;
+pub mod shadow;
 mod shaped;
 mod shapes;
 #[cfg(test)]

@@ -24,6 +24,8 @@ const TOUCHING: f64 = 1e-12;
 pub struct PolygonLight {
     vertices: Vec<DVec3>,
     sides: Sides,
+    /// The largest coordinate before scaling.
+    unit: f64,
 }
 
 impl PolygonLight {
@@ -56,7 +58,7 @@ impl PolygonLight {
         }
         match wrong_turn(&vertices) {
             Some(vertices) => Err(LightError::NotConvex { vertices }),
-            None => Ok(Self { vertices, sides }),
+            None => Ok(Self { vertices, sides, unit: farthest }),
         }
     }
 
@@ -82,6 +84,15 @@ impl PolygonLight {
             Some(index) => Err(LightError::NotPlanar { index, distance: away(&self.vertices[index]) }),
             None => Ok(()),
         }
+    }
+
+    /// The distance from the shaded point to the light's plane in a direction of unit length.
+    #[must_use]
+    pub fn distance(&self, wi: DVec3) -> f64 {
+        let first = self.vertices[0];
+        let edges = self.vertices.iter().zip(self.vertices.iter().cycle().skip(1));
+        let normal: DVec3 = edges.map(|(a, b)| (*a - first).cross(*b - first)).sum();
+        self.unit * first.dot(normal) / wi.dot(normal)
     }
 
     /// The sides from which the light is visible.

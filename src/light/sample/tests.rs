@@ -1,6 +1,11 @@
 //! Tests of drawn directions and their density.
 
-use super::{sets::LightSet, *};
+mod compared;
+
+use super::{
+    sets::{LightSet, cornered, over_triangle, triangles},
+    *,
+};
 use crate::{
     cases::{Draw, Lit, Roughness},
     truth,
@@ -13,73 +18,6 @@ fn matrix() -> DMat3 {
     DMat3::from_cols(DVec3::new(0.4, 0.0, -0.3), DVec3::new(0.1, 0.6, 0.0), DVec3::new(0.5, 0.1, 1.0))
 }
 
-/// The rectangle, or a polygon with 3 to 8 corners on the ellipse within it.
-fn cornered(lit: &Lit, count: usize) -> Lit {
-    if count == 4 {
-        return lit.clone();
-    }
-    let [a, b, _, d] = lit.vertices[..] else { panic!("a rectangle") };
-    let (middle, x, y) = ((b + d) * 0.5, (b - a) * 0.5, (d - a) * 0.5);
-    let at = |k: usize| {
-        let (sin, cos) = sin_cos(TAU * (k as f64 + 0.4) / count as f64);
-        middle + x * cos + y * sin
-    };
-    Lit { at: lit.at, vertices: (0..count).map(at).collect() }
-}
-
-/// The triangles of the part above the surface.
-fn triangles(lit: &Lit) -> Vec<[DVec3; 3]> {
-    let mut above: Vec<DVec3> = Vec::new();
-    for (i, a) in lit.vertices.iter().enumerate() {
-        let b = lit.vertices[(i + 1) % lit.vertices.len()];
-        if a.z >= 0.0 {
-            above.push(*a);
-        }
-        if a.z * b.z < 0.0 {
-            above.push(a.lerp(b, a.z / (a.z - b.z)));
-        }
-    }
-    (2..above.len()).map(|i| [above[0], above[i - 1], above[i]]).collect()
-}
-
-/// The integral of `of` over the solid angle of a triangle: Gauss' rule on both halves of the longest side, until it
-/// agrees with the rule on the whole triangle.
-fn over_triangle(of: &impl Fn(DVec3) -> f64, [a, b, c]: [DVec3; 3], depth: u32) -> f64 {
-    // Five-point rule of degree 9 along both axes of the triangle, folded at `a`.
-    const NODES: [(f64, f64); 5] = [
-        (0.046_910_077_030_668, 0.118_463_442_528_094_5),
-        (0.230_765_344_947_158_5, 0.239_314_335_249_683_2),
-        (0.5, 0.284_444_444_444_444_4),
-        (0.769_234_655_052_841_5, 0.239_314_335_249_683_2),
-        (0.953_089_922_969_332, 0.118_463_442_528_094_5),
-    ];
-    let rule = |[a, b, c]: [DVec3; 3]| {
-        let area = (b - a).cross(c - a);
-        let mut sum = 0.0;
-        for (s, weight) in NODES {
-            for (t, other) in NODES {
-                let p = a + s * ((b - a) + t * (c - b));
-                let r = p.length();
-                sum += weight * other * s * of(p / r) * p.dot(area).abs() / (r * r * r);
-            }
-        }
-        sum
-    };
-    let lengths = [(b - c).length(), (c - a).length(), (a - b).length()];
-    let [a, b, c] = match (0..3).max_by(|i, j| lengths[*i].total_cmp(&lengths[*j])) {
-        Some(0) => [a, b, c],
-        Some(1) => [b, c, a],
-        _ => [c, a, b],
-    };
-    let middle = b.midpoint(c);
-    let halves = [[a, b, middle], [a, middle, c]];
-    let [whole, parts] = [rule([a, b, c]), halves.map(rule).iter().sum()];
-    if depth == 0 || (depth < 12 && (whole - parts).abs() < 1e-9) {
-        return parts;
-    }
-    halves.map(|half| over_triangle(of, half, depth - 1)).iter().sum()
-}
-
 #[test]
 fn the_density_integrates_to_one() {
     let mut worst = 0.0_f64;
@@ -89,7 +27,7 @@ fn the_density_integrates_to_one() {
         let light = lit.light(Sides::Two);
         for sampler in [LightSampler::normals(&lit.at, &light), LightSampler::ltc(matrix(), &light)] {
             let sampler = sampler.expect("a sampler");
-            let parts = triangles(&lit).into_iter().map(|part| over_triangle(&|wi| sampler.pdf(wi), part, 22));
+            let parts = triangles(&lit.vertices).into_iter().map(|part| over_triangle(&|wi| sampler.pdf(wi), part, 22));
             let sum: f64 = parts.sum();
             worst = worst.max((sum - 1.0).abs());
             assert!((sum - 1.0).abs() < 1e-4, "{set:?} {lit:?}: {sum}");
