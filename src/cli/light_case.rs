@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use glam::DVec3;
 
 use ltcforge_fit::{Configuration, MAX_VERTICES, Sides};
-use ltcforge_light::{AnisotropicRoughness, AnyLight, LightError, LightShape, ShapeParameter};
+use ltcforge_light::{AnisotropicRoughness, AnyLight, LightShape, PlacedLight, ShapeParameter};
 
 /// The names of the columns before the light. Lines without their own material lack the first two.
 const COLUMNS: [&str; 4] = ["alpha_x", "alpha_y", "theta", "phi"];
@@ -70,6 +70,18 @@ impl CaseFormat {
     /// # Errors
     /// Every invalid field with its allowed values. If all fields are valid, the reason why the light is invalid.
     pub(super) fn parse(&self, line: &str) -> Result<Option<LightCase>, String> {
+        let case = |(at, PlacedLight { shape, sides, points, length })| {
+            let light = shape.light(sides, &points, length).map_err(|error| error.to_string())?;
+            Ok(LightCase { at, light })
+        };
+        self.placed(line)?.map(case).transpose()
+    }
+
+    /// Reads a line; the light may be anywhere. `None` for an empty line.
+    ///
+    /// # Errors
+    /// Every invalid field with its allowed values.
+    pub(super) fn placed(&self, line: &str) -> Result<Option<(Configuration, PlacedLight)>, String> {
         if line.trim().is_empty() {
             return Ok(None);
         }
@@ -84,10 +96,8 @@ impl CaseFormat {
         }
         let mut fields = Fields { format: self, texts: fields, faults: Vec::new() };
         let at = fields.surface_and_view();
-        match fields.light() {
-            Some(light) => Ok(Some(LightCase { at, light: light.map_err(|error| error.to_string())? })),
-            None => Err(fields.faults.join("; ")),
-        }
+        let light = fields.light();
+        if fields.faults.is_empty() { Ok(Some((at, light))) } else { Err(fields.faults.join("; ")) }
     }
 
     /// Whether a line is the header. The header of polygons may name any number of vertices.
@@ -157,8 +167,8 @@ impl Fields<'_> {
         self.number(index, |x| x > 0.0, &format!("a {name} must be above 0"))
     }
 
-    /// The light, or the reason that it is invalid; `None` if a field is invalid.
-    fn light(&mut self) -> Option<Result<AnyLight, LightError>> {
+    /// The light. Its numbers are NaN where fields are invalid.
+    fn light(&mut self) -> PlacedLight {
         let (mut sides, mut points, mut length) = (Sides::Two, Vec::new(), f64::NAN);
         let shape = self.format.shape;
         let mut index = self.format.surface_columns().len();
@@ -181,7 +191,7 @@ impl Fields<'_> {
                 }
             }
         }
-        self.faults.is_empty().then(|| shape.light(sides, &points, length))
+        PlacedLight { shape, sides, points, length }
     }
 }
 

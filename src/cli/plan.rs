@@ -7,17 +7,23 @@ use std::{
 };
 
 use clap::{ArgGroup, Args};
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::{
     AnyTable, CommandFailure, Context, Exit, Interrupt, TableFolder, Threads, check_output_folder, export,
-    file_failure, fit, named, shown, tradeoff::processor_seconds, usage, write_in,
+    file_failure, fit, light_case::CaseFormat, named, shown, tradeoff::processor_seconds, usage, write_in,
 };
-use ltcforge_files::{bounded::read_named, compact, digest::Digest, recipe_document::canonical_json};
-use ltcforge_fit::{GoOn, Layout, Recipe, Table};
+use ltcforge_files::{
+    bounded::read_named,
+    compact,
+    digest::Digest,
+    recipe_document::{canonical_json, digest as digest_of},
+};
+use ltcforge_fit::{BrdfKind, GoOn, Layout, Recipe, Table};
+use ltcforge_light::LightShape;
 use ltcforge_plan::{
-    Budget, Form, GpuLimit, Needs, Scene, SceneError, TablePlan, document, left_out, of_other_models,
-    other_reflectances, outside, picture, words,
+    Budget, Figure, Form, GpuLimit, Needs, Scene, SceneError, SceneLight, TablePlan, check as figures_of, document,
+    left_out, of_other_models, picture, words,
 };
 use ltcforge_textures::{About, CompactContainer, Engine, Export, TextureLayout};
 
@@ -64,9 +70,15 @@ pub struct PlanArgs {
     /// Fit the table, measure it, and correct the plan once if needed
     #[arg(long)]
     pub fit: bool,
-    /// Write nothing; exit with 3 if TABLE does not cover all materials
-    #[arg(long, requires = "table", conflicts_with_all = ["budget", "engine", "fit", "ship"])]
+    /// Area lights in the scene's coordinates, instead of its own: the CSV of `light`
+    #[arg(long, value_name = "FILE")]
+    pub lights: Option<PathBuf>,
+    /// Write nothing; exit with 3 if TABLE's error on a material is too large
+    #[arg(long, requires = "table", conflicts_with_all = ["bytes", "seconds", "engine", "fit", "ship"])]
     pub check: bool,
+    /// Also print nodes, samples and registers
+    #[arg(short, long)]
+    pub verbose: bool,
     /// The folder of tables.
     #[command(flatten)]
     pub folder: TableFolder,
@@ -81,7 +93,13 @@ fn positive(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "use a number above 0".to_owned())
 }
 
-/// Maximum size of a list of materials.
+/// A table may have this factor of the error that its plan stated, before `--check` fails.
+const MOST_GROWN: f64 = 1.5;
+/// Maximum size of a `plan.json`.
+const PLAN_LIMIT_BYTES: u64 = 64 << 20;
+/// Maximum number of lights in a file.
+const MOST_LIGHTS: usize = 32;
+/// Maximum size of a list of materials, and of a file of lights.
 const LIST_LIMIT_BYTES: u64 = 1 << 20;
 
 /// Reads a scene, plans its tables and writes the plan. With `--fit`, also fits the tables.
@@ -89,14 +107,23 @@ pub(super) fn run(args: &PlanArgs, context: &mut Context<'_>) -> Result<Exit, Co
     let interrupt = context.interrupt.clone();
     let go_on = || !interrupt.is_set();
     let pool = args.threads.pool()?;
-    let mut scene = pool.install(|| read(&args.scene, &go_on))?;
+    let lights = args.lights.as_deref().map(lights).transpose()?.unwrap_or_default();
+    let mut scene = pool.install(|| read(&args.scene, lights, &go_on))?;
     if let Some(table) = &args.table {
-        return check(&scene, &AnyTable::named(table, &args.folder)?, context);
+        let table = AnyTable::named(table, &args.folder)?;
+        return check(&scene, &table, (args, &pool), context);
     }
     check_output_folder(&args.out)?;
     let layout = args.engine.and_then(engine_layout);
     let gpu = GpuLimit { registers: args.registers, instructions: args.instructions };
-    let form = Form { layout, any_nodes: args.any_nodes, no_terms: args.no_terms, ship: args.ship, gpu };
+    let form = Form {
+        layout,
+        any_nodes: args.any_nodes,
+        no_terms: args.no_terms,
+        ship: args.ship,
+        engine: exported(args),
+        gpu,
+    };
     let engine = args.engine.filter(|_| layout.is_some());
     if let Some(engine) = engine.filter(|_| Needs::of(&scene, true).is_some()) {
         scene.notes.push(format!(
@@ -152,21 +179,25 @@ pub(super) fn run(args: &PlanArgs, context: &mut Context<'_>) -> Result<Exit, Co
     for (table, plan) in tables.iter().zip(&plans) {
         digests.push(pool.install(|| write_table(args, &plan.chosen.recipe, table, &mut files))?);
     }
-    let lines = words(&scene, &plans);
+    let mut lines = words(&scene, &plans, args.verbose);
+    lines.push(next_command(args, plans.first()));
     let value = json!({ "files": files, "tables": digests, "met": is_met, "plan": plan_json });
     context.print(&value, &[lines, files].concat().join("\n"))?;
     Ok(if is_met { Exit::Ok } else { Exit::Failed })
 }
 
 /// Reads a scene file.
-fn read(path: &Path, go_on: &GoOn<'_>) -> Result<Scene, CommandFailure> {
+fn read(path: &Path, lights: Vec<SceneLight>, go_on: &GoOn<'_>) -> Result<Scene, CommandFailure> {
     let is_list =
         path.extension().and_then(OsStr::to_str).is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
     let scene = if is_list {
         let bytes = read_named(path, LIST_LIMIT_BYTES).map_err(|error| file_failure(path, &error))?;
-        Scene::from_list(&bytes)
+        Scene::from_list(&bytes).map(|mut scene| {
+            scene.lights = lights;
+            scene
+        })
     } else {
-        Scene::open(path, go_on)
+        Scene::open(path, lights, go_on)
     };
     scene.map_err(|error| {
         if matches!(error, SceneError::Stopped) {
@@ -178,10 +209,35 @@ fn read(path: &Path, go_on: &GoOn<'_>) -> Result<Scene, CommandFailure> {
     })
 }
 
+/// Reads lights of one shape. Their surfaces and views are ignored, because the scene has its own.
+fn lights(path: &Path) -> Result<Vec<SceneLight>, CommandFailure> {
+    let bytes = read_named(path, LIST_LIMIT_BYTES).map_err(|error| file_failure(path, &error))?;
+    let text = String::from_utf8_lossy(&bytes);
+    let of_shape = |shape: &LightShape| CaseFormat { shape: *shape, material: None };
+    let is_of_shape = |shape: &&LightShape| text.lines().next().is_some_and(|line| of_shape(shape).is_header(line));
+    let format = of_shape(LightShape::ALL.iter().find(is_of_shape).unwrap_or(&LightShape::Polygon));
+    let mut lights = Vec::new();
+    for (index, line) in text.lines().enumerate().filter(|(_, line)| !format.is_header(line)) {
+        let number = index + 1;
+        let placed = format.placed(line).map_err(|why| usage(format!("{}, line {number}: {why}", path.display())))?;
+        let light = |(_, light)| SceneLight { name: format!("light in line {number}"), light, radiance: 1.0 };
+        lights.extend(placed.map(light));
+    }
+    if lights.is_empty() || lights.len() > MOST_LIGHTS {
+        return Err(usage(format!("{}: {} lights; use 1 to {MOST_LIGHTS}", path.display(), lights.len())));
+    }
+    Ok(lights)
+}
+
 /// The layout of an engine's tables; `None` for an engine that reads tables of any layout.
 fn engine_layout(engine: Engine) -> Option<Layout> {
     let textures = engine.layout().and_then(|name| TextureLayout::named(name).ok());
     textures.map(|textures| textures.sampling().table)
+}
+
+/// The engine whose files are written: textures of your own renderer have halves, as the plan's tables have.
+fn exported(args: &PlanArgs) -> Option<Engine> {
+    args.engine.map(|engine| if engine == Engine::Wgpu { Engine::WgpuHalf } else { engine })
 }
 
 /// Fits the table of a plan and measures it. If this changes the choice, does the same for the new choice.
@@ -214,7 +270,7 @@ fn write_table(
     // Sheen tables have no compact form.
     let shipped = args.ship && compact::check_lobes(table).is_ok();
     let compact = shipped.then_some(Export::Compact(CompactContainer::Bytes));
-    if let Some(export) = args.engine.map(Export::Engine).or(compact) {
+    if let Some(export) = exported(args).map(Export::Engine).or(compact) {
         let error = export::measured(table, Some(recipe));
         for file in export.bundle(table, About::of_table(digest, Some(recipe), error)).map_err(usage)?.files {
             files.push(shown(&write_in(&args.out, &file.path, &file.bytes)?));
@@ -223,33 +279,71 @@ fn write_table(
     Ok(digest)
 }
 
-/// Lists the materials that a table does not cover.
-fn check(scene: &Scene, of: &AnyTable, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
-    let outside = outside(scene, &of.table);
-    let line = |material: &ltcforge_plan::Outside| {
-        let axes = material.axes.iter().map(|axis| {
-            let ([low, high], [first, last]) = (axis.scene, axis.table);
-            format!("{} {low:.4} to {high:.4}, table {first:.4} to {last:.4}", axis.axis)
-        });
-        format!("{}: {}", material.material, axes.collect::<Vec<_>>().join("; "))
+/// The command that a user runs after this one.
+fn next_command(args: &PlanArgs, plan: Option<&TablePlan<'_>>) -> String {
+    let (scene, out) = (args.scene.display(), args.out.display());
+    let shader = match plan {
+        Some(plan) if plan.chosen.recipe.brdf.fresnel().second().is_some() => " --two-lobes",
+        _ => "",
     };
-    let mut lines: Vec<String> = outside.iter().map(line).collect();
-    if lines.is_empty() {
-        lines.push("the table covers every lobe of its scattering model".to_owned());
+    match (args.fit, args.engine) {
+        (false, _) => format!("next: ltcforge lock NAME --plan {out}, or fit the table: add --fit to this command"),
+        (true, Some(engine)) if engine.layout().is_some() => format!("next: copy the files below into {engine}"),
+        (true, _) => format!("next: ltcforge shader{shader}; in CI: ltcforge plan {scene} TABLE --check -o {out}"),
     }
-    let others = of_other_models(scene, &of.table);
+}
+
+/// The largest error of a lobe that the plan of a table stated: in `plan.json` next to the table, or in the folder of
+/// `--out`.
+fn promised(args: &PlanArgs, of: &AnyTable) -> Option<f64> {
+    let recipe = digest_of(of.origin.recipe()?).to_string();
+    let beside = of.path.parent().map(Path::to_path_buf);
+    [beside, Some(args.out.clone())].into_iter().flatten().find_map(|folder| {
+        let plan = read_named(&folder.join("plan.json"), PLAN_LIMIT_BYTES).ok()?;
+        let plan: Value = serde_json::from_slice(&plan).ok()?;
+        let tables = plan["tables"].as_array()?.iter();
+        tables.filter(|table| table["recipe_digest"] == json!(recipe)).find_map(|table| table["worst"].as_f64())
+    })
+}
+
+/// Predicts a table's error on each material, and lists the materials on which it is too large.
+fn check(
+    scene: &Scene,
+    of: &AnyTable,
+    (args, pool): (&PlanArgs, &rayon::ThreadPool),
+    context: &mut Context<'_>,
+) -> Result<Exit, CommandFailure> {
+    let most = match args.error.or_else(|| Some(MOST_GROWN * promised(args, of)?)) {
+        Some(most) => most,
+        None => MOST_GROWN * pool.install(|| own_worst(scene, of))?,
+    };
+    let figures = pool.install(|| figures_of(scene, &of.table)).unwrap_or_default();
+    let above = figures.iter().filter(|figure| figure.error > most).count();
+    let line = |figure: &Figure| {
+        let (name, error) = (&scene.materials[figure.material].name, figure.error);
+        let word = if error > most { "above" } else { "the largest, within" };
+        format!("{name}: error {error:.4} of the lobe's width, {word} {most:.4}")
+    };
+    let mut lines: Vec<String> = figures.iter().take(above.max(1)).map(line).collect();
     let other = |(material, kind): &(String, _)| {
         format!("{material}: {} needs a table of another scattering model", json!(kind).as_str().unwrap_or("lobe"))
     };
-    let mut left: Vec<String> = others.iter().map(other).collect();
-    left.extend(other_reflectances(scene, &of.table).map(|[found, fitted]| {
-        let [found, fitted] = [found, fitted]
-            .map(|[low, high]| if low == high { format!("{low:.2}") } else { format!("{low:.2} to {high:.2}") });
-        format!("reflectance: the materials have F0 {found}; the table was fitted for {fitted}")
-    }));
+    let mut left: Vec<String> = of_other_models(scene, &of.table).iter().map(other).collect();
     left.extend(left_out(scene));
-    let value = json!({ "table": of.digest, "outside": outside, "not_checked": left });
+    let value = json!({ "table": of.digest, "most": most, "errors": figures, "not_checked": left });
     lines.extend(left);
     context.print(&value, &lines.join("\n"))?;
-    Ok(if outside.is_empty() { Exit::Ok } else { Exit::Mismatch })
+    Ok(if above == 0 { Exit::Ok } else { Exit::Mismatch })
+}
+
+/// The largest error of a lobe in a plan of the scene with the bytes of a table.
+fn own_worst(scene: &Scene, of: &AnyTable) -> Result<f64, CommandFailure> {
+    let Some(needs) = Needs::of(scene, of.table.brdf() != BrdfKind::Ggx) else { return Ok(0.0) };
+    let second = of.table.second_matrices().map_or(0, <[_]>::len);
+    let numbers =
+        9 * (of.table.matrices().len() + second) + of.table.terms().map_or(0, |terms| 2 * terms.amplitude().len());
+    let form = Form { no_terms: of.table.terms().is_none(), ..Form::default() };
+    let plan = TablePlan::new(needs, Budget::Bytes(2 * numbers as u64), form, &|| true);
+    let plan = plan.map_err(|_| CommandFailure::interrupted())?;
+    Ok(plan.figures.iter().map(|figure| figure.error).fold(0.0, f64::max))
 }

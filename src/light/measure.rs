@@ -26,6 +26,8 @@ const HALF_WIDTH: [f64; 2] = [0.05, 1.2];
 /// The tolerance of the reference: a thirtieth of the mean error of the best model.
 const TOLERANCE: f64 = 1e-5;
 const SEED: u64 = 1;
+/// Maximum number of random lights that are tried around one reflection.
+const TRIED: usize = 64;
 
 /// All surfaces and views of an error measurement.
 pub const EVERYWHERE: PerAxis<[f64; 2]> =
@@ -68,6 +70,14 @@ impl RandomLights {
         let truth = |lit: &Lit| truth_of(brdf, TOLERANCE, &lit.at, &lit.light);
         let truth = lit.par_iter().map(truth).collect::<Result<_, _>>()?;
         Ok(Self { brdf: brdf.clone(), lit, truth })
+    }
+
+    /// A random light for each surface and view, around its reflection, as [`RandomLights::draw`] draws them; `None` for
+    /// a view of which nothing is reflected.
+    #[must_use]
+    pub fn around(brdf: &BrdfModel, at: &[Configuration]) -> Vec<Option<PolygonLight>> {
+        let mut random = Draw(Xoshiro256PlusPlus::seed_from_u64(SEED));
+        at.iter().map(|at| (0..TRIED).find_map(|_| random.light(brdf, at))).collect()
     }
 
     /// The scattering model of the surfaces.
@@ -163,7 +173,7 @@ fn spread(mut errors: Vec<f64>) -> Spread {
 
 /// If a model's table has no terms, returns it with the terms of its scattering model. Models are measured by the
 /// reference of their own scattering model.
-fn with_terms(model: Lighting<'_>, brdf: &BrdfModel) -> Result<Option<Table>, LightError> {
+pub(super) fn with_terms(model: Lighting<'_>, brdf: &BrdfModel) -> Result<Option<Table>, LightError> {
     model.check_brdf(brdf)?;
     let Some(table) = model.table() else { return Ok(None) };
     if table.terms.is_some() {
@@ -203,21 +213,25 @@ impl Draw {
     fn lit(&mut self, brdf: &BrdfModel, range: &PerAxis<[f64; 2]>) -> Lit {
         loop {
             let at = self.configuration(range);
-            let surface = brdf.surface([at.alpha_x, at.alpha_y]);
-            let centre = surface.sample(direction(at.theta, at.phi), [self.unit(), self.unit()]).wi;
-            let towards = (0.5 * self.vector() - centre).normalize();
-            let x = towards.cross(self.vector()).normalize();
-            let [least, most] = HALF_WIDTH;
-            let size = least * pow(most / least, self.unit());
-            let stretch = pow(E, self.within([-1.0, 1.0]));
-            let (x, y) = (x * size * stretch, towards.cross(x) * size / stretch);
-            let vertices = vec![centre - x - y, centre + x - y, centre + x + y, centre - x + y];
-            // A rectangle seen edge-on may fail the test of convexity.
-            match PolygonLight::new(vertices, Sides::Two) {
-                Ok(light) if centre.z > 0.0 => return Lit { at, light },
-                _ => {}
+            if let Some(light) = self.light(brdf, &at) {
+                return Lit { at, light };
             }
         }
+    }
+
+    /// A rectangle around a direction that a surface reflects; `None` below the horizon, and for a rectangle that is
+    /// seen edge-on, which may fail the test of convexity.
+    fn light(&mut self, brdf: &BrdfModel, at: &Configuration) -> Option<PolygonLight> {
+        let surface = brdf.surface([at.alpha_x, at.alpha_y]);
+        let centre = surface.sample(direction(at.theta, at.phi), [self.unit(), self.unit()]).wi;
+        let towards = (0.5 * self.vector() - centre).normalize();
+        let x = towards.cross(self.vector()).normalize();
+        let [least, most] = HALF_WIDTH;
+        let size = least * pow(most / least, self.unit());
+        let stretch = pow(E, self.within([-1.0, 1.0]));
+        let (x, y) = (x * size * stretch, towards.cross(x) * size / stretch);
+        let vertices = vec![centre - x - y, centre + x - y, centre + x + y, centre - x + y];
+        PolygonLight::new(vertices, Sides::Two).ok().filter(|_| centre.z > 0.0)
     }
 }
 

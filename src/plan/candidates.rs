@@ -9,10 +9,11 @@ use ltcforge_fit::{FitSettings, LobeFresnel, PerAxis, Precision, Recipe, fit_sec
 
 /// Minimum and maximum number of nodes on an axis with several values.
 const NODES: PerAxis<[u32; 2]> = PerAxis { alpha: [2, 24], ratio: [2, 12], theta: [2, 24], phi: [2, 12] };
-/// Errors within this factor count as equal, so that a smaller or faster table is chosen.
-const EQUAL: f64 = 1.005;
+/// Errors within this factor count as equal, so that a smaller or faster table is chosen. Factors apply to the part of
+/// the error that more nodes or more effort can remove. Tables of one size have no slack.
+const EQUAL: f64 = 1.05;
 /// The front bends at the smallest table whose error is within this factor of the least error.
-const KNEE: f64 = 1.05;
+const KNEE: f64 = 3.0;
 
 /// The budget of a table. Seconds are those of one thread on the machine of `ltcforge_fit::fit_seconds`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,7 +37,9 @@ pub struct Candidate {
     pub error: f64,
     /// Bytes of matrices and terms.
     pub bytes: u64,
-    /// Predicted bytes of the compact form, if the budget counts them.
+    /// The part of the error that remains with any nodes and any effort.
+    pub(crate) limit: f64,
+    /// Predicted bytes of the compact form or of the engine's files, if the budget counts them.
     pub shipped: Option<u64>,
     /// Predicted seconds of one thread.
     pub seconds: f64,
@@ -48,11 +51,17 @@ impl Candidate {
     pub(crate) fn of(prediction: &Prediction, nodes: Nodes, fit: FitSettings) -> Self {
         let recipe = Recipe { fit, precision: Precision::F16, ..prediction.recipe(nodes) };
         let (error, bytes, seconds) = (prediction.error(nodes, &recipe), recipe.bytes(), fit_seconds(&recipe));
-        let shipped = prediction.shipped(&recipe);
-        Self { recipe, error, bytes, shipped, seconds }
+        let (limit, shipped) = (prediction.limit(recipe.brdf.fresnel()), prediction.shipped(&recipe));
+        Self { recipe, error, bytes, limit, shipped, seconds }
     }
 
-    /// The bytes that the budget counts: of the compact form, or of the table on a GPU.
+    /// The same nodes with another effort.
+    fn with(&self, fit: FitSettings, prediction: &Prediction, nodes: Nodes) -> Self {
+        let recipe = Recipe { fit, ..self.recipe.clone() };
+        Self { error: prediction.error(nodes, &recipe), seconds: fit_seconds(&recipe), recipe, ..*self }
+    }
+
+    /// The bytes that the budget counts: of the compact form or the engine's files, or else of the table on a GPU.
     pub(crate) fn spent(&self) -> u64 {
         self.shipped.unwrap_or(self.bytes)
     }
@@ -77,7 +86,8 @@ pub(crate) fn candidates(prediction: &Prediction) -> Vec<Candidate> {
             (entries, prediction.of_nodes(nodes), nodes)
         };
         for nodes in front(all.into_iter().map(priced).collect()) {
-            found.extend(efforts.iter().map(|fit| Candidate::of(prediction, nodes, *fit)));
+            let one = Candidate::of(prediction, nodes, base.fit);
+            found.extend(efforts.iter().map(|fit| one.with(*fit, prediction, nodes)));
         }
     }
     found
@@ -125,27 +135,37 @@ const SECONDS: Price = |candidate| candidate.seconds;
 /// # Errors
 /// The nearest candidate, if no candidate is within the budget.
 pub(crate) fn choose(candidates: &[Candidate], budget: Budget) -> Result<&Candidate, &Candidate> {
+    let is_one_size = candidates.iter().all(|candidate| candidate.bytes == candidates[0].bytes);
+    let slack = |factor: f64| if is_one_size { 1.0 } else { factor };
+    let equal = slack(EQUAL);
     let (price, most, then) = match budget {
         Budget::Error(most) => (ERROR, most, [(BYTES, 1.0), (SECONDS, 1.0), (ERROR, 1.0)]),
-        Budget::Bytes(most) => (BYTES, most as f64, [(ERROR, EQUAL), (SECONDS, 1.0), (BYTES, 1.0)]),
-        Budget::Seconds(most) => (SECONDS, most, [(ERROR, EQUAL), (BYTES, 1.0), (SECONDS, 1.0)]),
+        Budget::Bytes(most) => (BYTES, most as f64, [(ERROR, equal), (SECONDS, 1.0), (BYTES, 1.0)]),
+        Budget::Seconds(most) => (SECONDS, most, [(ERROR, equal), (BYTES, 1.0), (SECONDS, 1.0)]),
         Budget::Knee => {
-            let least = candidates.iter().map(ERROR).fold(f64::INFINITY, f64::min);
-            (ERROR, KNEE * least, [(BYTES, 1.0), (SECONDS, 1.0), (ERROR, 1.0)])
+            let most = within(&candidates.iter().collect::<Vec<_>>(), ERROR, slack(KNEE));
+            (ERROR, most, [(BYTES, 1.0), (SECONDS, 1.0), (ERROR, 1.0)])
         }
     };
-    let within: Vec<&Candidate> = candidates.iter().filter(|candidate| price(candidate) <= most).collect();
-    if within.is_empty() {
-        return Err(least(candidates.iter().collect(), [(price, 1.0), (ERROR, EQUAL), (BYTES, 1.0)]));
+    let allowed: Vec<&Candidate> = candidates.iter().filter(|candidate| price(candidate) <= most).collect();
+    if allowed.is_empty() {
+        return Err(least(candidates.iter().collect(), [(price, 1.0), (ERROR, equal), (BYTES, 1.0)]));
     }
-    Ok(least(within, then))
+    Ok(least(allowed, then))
+}
+
+/// The highest price within a slack of the lowest. Only errors have a slack. It applies above the part that remains.
+fn within(candidates: &[&Candidate], price: Price, slack: f64) -> f64 {
+    let lowest = |of: Price| candidates.iter().map(|candidate| of(candidate)).fold(f64::INFINITY, f64::min);
+    let least = lowest(price);
+    if slack == 1.0 { least } else { least + (slack - 1.0) * (least - lowest(|candidate| candidate.limit)).max(0.0) }
 }
 
 /// The candidate with the lowest first price. Candidates within a price's slack are compared by the next price. Domain:
 /// at least one candidate.
 fn least(mut left: Vec<&Candidate>, prices: [(Price, f64); 3]) -> &Candidate {
     for (price, slack) in prices {
-        let most = left.iter().map(|candidate| price(candidate)).fold(f64::INFINITY, f64::min) * slack;
+        let most = within(&left, price, slack);
         left.retain(|candidate| price(candidate) <= most);
     }
     left[0]
@@ -158,7 +178,7 @@ mod tests {
 
     fn candidate(error: f64, bytes: u64, seconds: f64) -> Candidate {
         let recipe = parse(b"{}", DEFAULT_ENTRY_LIMIT).expect("a recipe");
-        Candidate { recipe, error, bytes, shipped: None, seconds }
+        Candidate { recipe, error, bytes, limit: 0.049, shipped: None, seconds }
     }
 
     #[test]
@@ -166,7 +186,7 @@ mod tests {
         let all = [
             candidate(0.20, 100, 0.1),
             candidate(0.10, 200, 0.2),
-            candidate(0.0502, 400, 0.3),
+            candidate(0.05012, 400, 0.3),
             candidate(0.0501, 400, 0.9),
             candidate(0.05, 900, 1.0),
         ];
@@ -179,5 +199,10 @@ mod tests {
         assert_eq!(chosen(Budget::Seconds(0.25)), Ok(200));
         assert_eq!(chosen(Budget::Seconds(0.01)), Err(100));
         assert_eq!(chosen(Budget::Knee), Ok(400));
+        // Among tables of one size, nothing is saved by a larger error.
+        let one_size = [candidate(0.0502, 400, 0.3), candidate(0.0501, 400, 0.9)];
+        for budget in [Budget::Knee, Budget::Bytes(500)] {
+            assert_eq!(choose(&one_size, budget).expect("one").error, 0.0501);
+        }
     }
 }

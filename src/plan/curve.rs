@@ -4,7 +4,6 @@ use crate::{
     needs::Needs,
     placement::{Placed, by_weight, of_values},
     probes::{Probes, Stopped},
-    resampled::{coarser, resampled, with},
 };
 use ltcforge_fit::{Closeness, GoOn, Layout, LobeFresnel, PerAxis, Recipe, Table};
 
@@ -59,12 +58,12 @@ impl Curve {
                 if !go_on() {
                     return Err(Stopped);
                 }
-                let squared = squared_steps(*layout, range, &with(*resolution, axis, fewer))[axis];
+                let squared = squared_steps(*layout, range, &resolution.with(axis, fewer))[axis];
                 let even = coarser(table, base, axis, fewer);
                 let placed = (any_nodes && axis < 2 && fewer > 2).then(|| {
                     let values = needs.spots().map(|(spot, _)| ([spot.alpha, spot.ratio][axis], spot.weight));
                     let nodes = by_weight(*layout, range, axis, values, fewer);
-                    (resampled(table, axis, nodes.clone()), nodes)
+                    (table.resampled(axis, nodes.clone()), nodes)
                 });
                 for (curve, of_coarse) in &mut curves {
                     let more = coarse_error(&even, &curve.fresnel) - *of_coarse;
@@ -103,6 +102,12 @@ impl Curve {
         self.given.iter_mut().flatten().filter_map(|placed| placed.added.as_mut()).for_each(|error| *error *= factor);
         self
     }
+}
+
+/// The table of a recipe with `count` evenly spaced nodes on one axis. Domain: see [`Table::resampled`].
+pub(crate) fn coarser(table: &Table, recipe: &Recipe, axis: usize, count: u32) -> Table {
+    let nodes = recipe.layout.nodes(&recipe.range, &recipe.resolution.with(axis, count));
+    table.resampled(axis, nodes.named()[axis].1.clone())
 }
 
 /// The squared step of each axis.

@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 
 use crate::{
     candidates::{Budget, Candidate},
+    figures::worst,
     histogram::span,
     plan::{Fitted, TablePlan},
     scene::{Scene, SceneLobe, SceneMaterial},
@@ -32,6 +33,7 @@ pub fn document(scene: &Scene, plans: &[TablePlan<'_>]) -> Value {
             "triangles": scene.triangles,
             "cameras": scene.cameras,
             "notes": scene.notes,
+            "lights": scene.lights.iter().map(|light| &light.name).collect::<Vec<_>>(),
             "materials": scene.materials.iter().map(material).collect::<Vec<_>>(),
         },
         "tables": plans.iter().map(table).collect::<Vec<_>>(),
@@ -56,7 +58,7 @@ fn lobe(lobe: &SceneLobe) -> Value {
 }
 
 fn candidate(candidate: &Candidate, plan: &TablePlan<'_>) -> Value {
-    let Candidate { recipe, error, bytes, shipped, seconds } = candidate;
+    let Candidate { recipe, error, bytes, shipped, seconds, .. } = candidate;
     let mut value = json!({
         "resolution": recipe.resolution, "layout": recipe.layout.name(), "fresnel": recipe.brdf.fresnel(),
         "samples": recipe.fit.samples, "directions": recipe.fit.directions, "precision": recipe.precision.name(),
@@ -91,7 +93,7 @@ fn measured(plan: &TablePlan<'_>) -> Value {
 }
 
 fn table(plan: &TablePlan<'_>) -> Value {
-    let TablePlan { needs, budget, is_met, chosen, limit, whole, shading, .. } = plan;
+    let TablePlan { needs, budget, is_met, chosen, whole, shading, figures, .. } = plan;
     let serves: Vec<Value> = needs.lobes.iter().map(|(index, lobe)| served(*index, lobe, &chosen.recipe)).collect();
     let (kind, most) = match budget {
         Budget::Error(most) => ("error", json!(most)),
@@ -107,22 +109,32 @@ fn table(plan: &TablePlan<'_>) -> Value {
         "serves": serves,
         "budget": { "of": kind, "most": most, "met": is_met },
         "predicted": { "error": chosen.error, "bytes": chosen.bytes, "seconds": chosen.seconds },
-        "limit": limit,
+        "limit": chosen.limit,
+        "error_of": if plan.probes.are_lit() { "light" } else { "lobe" },
         "measured": measured(plan),
         "lobes": plan.lobes().map(|(fresnel, error)| json!({ "fresnel": fresnel, "error": error })).collect::<Vec<_>>(),
         "gpu_limit": plan.form.gpu,
         "gpu_cost": shading.gpu_cost,
-        "light_error": shading.light_error,
+        "light_error": plan.light_errors()[0],
+        "materials": figures,
+        "worst": worst(figures),
+        "worst_material": worst_name(plan),
+        "worst_light": plan.worst_light.map(|(name, error)| json!({ "name": name, "error": error })),
         "model": shading.without().map(|without| without.model),
         "rule": shading.without().and_then(|without| without.rule),
         "without_table": shading.without_table,
         "whole": {
             "recipe_digest": digest(&whole.recipe), "bytes": whole.bytes, "predicted_error": whole.predicted,
             "predicted_seconds": fit_seconds(&whole.recipe), "error": whole.error, "seconds": whole.seconds,
-            "presets": whole.presets(),
         },
         "candidates": plan.front().chain(others).map(|row| candidate(row, plan)).collect::<Vec<_>>(),
     })
+}
+
+/// The material with the largest error.
+fn worst_name<'a>(plan: &TablePlan<'a>) -> Option<&'a str> {
+    let worst = plan.figures.iter().max_by(|a, b| a.error.total_cmp(&b.error))?;
+    Some(&plan.needs.scene.materials[worst.material].name)
 }
 
 /// A lobe that a table covers, with the index of its material in the scene. For a table of materials, also with the

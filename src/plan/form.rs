@@ -2,6 +2,7 @@
 
 use crate::without::GpuLimit;
 use ltcforge_fit::Layout;
+use ltcforge_textures::Engine;
 
 /// The form of a plan's tables.
 #[derive(Debug, Clone, Copy, Default)]
@@ -14,6 +15,8 @@ pub struct Form {
     pub no_terms: bool,
     /// Whether a budget of bytes counts the table's compact form.
     pub ship: bool,
+    /// The engine whose files a budget of bytes counts.
+    pub engine: Option<Engine>,
     /// The GPU limits of the shader that reads the table.
     pub gpu: GpuLimit,
 }

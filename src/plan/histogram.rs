@@ -11,7 +11,7 @@ const CELLS: [f64; 2] = [1024.0, 256.0];
 /// Numbers of cells of a view's polar angle and of its azimuth, over a quarter turn each.
 const VIEWS: [usize; 2] = [45, 18];
 /// The most grazing view that [`Views::draw`] returns: 89 degrees, as in the report of a table.
-const STEEPEST: f64 = 0.99 * FRAC_PI_2;
+pub(crate) const STEEPEST: f64 = 0.99 * FRAC_PI_2;
 /// Alpha and ratio are rounded to multiples of `1 / DECIMALS`. This removes the rounding errors in the last digits of
 /// squares.
 const DECIMALS: f64 = 1e12;

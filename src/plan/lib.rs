@@ -6,20 +6,21 @@ mod candidates;
 mod curve;
 mod document;
 mod effort;
+mod figures;
 mod form;
 mod front;
 mod histogram;
 #[cfg(test)]
 mod hostile;
+#[cfg(test)]
+mod lit;
 mod lobes;
 mod needs;
-mod outside;
 mod picture;
 mod placement;
 mod plan;
 mod prediction;
 mod probes;
-mod resampled;
 mod scene;
 mod shipped;
 #[cfg(test)]
@@ -31,14 +32,14 @@ mod words;
 
 pub use candidates::{Budget, Candidate};
 pub use document::{document, recipe_value};
+pub use figures::{Figure, check, of_other_models};
 pub use form::Form;
 pub use histogram::{Spot, Views};
 pub use ltcforge_files::recipe_document::Fault as SceneFault;
 pub use needs::Needs;
-pub use outside::{Outside, OutsideAxis, of_other_models, other_reflectances, outside};
 pub use picture::picture;
 pub use plan::{Fitted, TablePlan, Whole};
 pub use probes::Stopped;
-pub use scene::{LobeKind, Scene, SceneError, SceneLobe, SceneMaterial};
+pub use scene::{LobeKind, Scene, SceneError, SceneLight, SceneLobe, SceneMaterial};
 pub use without::GpuLimit;
 pub use words::{left_out, words};

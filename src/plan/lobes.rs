@@ -60,7 +60,7 @@ pub(crate) fn lobes(
     let single = COUNTS.map(mixed).into_iter().chain([vec![rest], vec![metal]]).filter_map(LobeFresnel::mix);
     let measured = |fresnel: LobeFresnel| {
         let lobe = |place: &Place| fitted_at(place, &fresnel, base, go_on);
-        let found = probes.places[..TRIED].par_iter().map(lobe).collect::<Result<Vec<_>, Stopped>>()?;
+        let found = probes.places.par_iter().take(TRIED).map(lobe).collect::<Result<Vec<_>, Stopped>>()?;
         Ok(Lobes { error: probes.error_of(&found), fresnel })
     };
     let mut found = single.map(measured).collect::<Result<Vec<_>, Stopped>>()?;
@@ -102,14 +102,14 @@ pub(crate) fn fitted(recipe: &Recipe, go_on: &GoOn<'_>) -> Result<Table, Stopped
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Scene;
+    use crate::{Scene, probes::POINTS};
     use ltcforge_files::recipe_document::{DEFAULT_ENTRY_LIMIT, parse};
 
     fn found(list: &str, may_be_two: bool) -> Vec<Lobes> {
         let scene = Scene::from_list(list.as_bytes()).expect("a scene");
         let needs = Needs::of(&scene, false).expect("lobes");
         let base = parse(br#"{"preset": "draft"}"#, DEFAULT_ENTRY_LIMIT).expect("a recipe");
-        lobes(&needs, may_be_two, &Probes::new(&needs), &base, &|| true).expect("nothing stops it")
+        lobes(&needs, may_be_two, &Probes::new(&needs, POINTS), &base, &|| true).expect("nothing stops it")
     }
 
     fn list(plastic: u32, metal: u32) -> String {

@@ -2,11 +2,14 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use glam::DVec3;
+
 use crate::{
     histogram::{LEAST_METAL, Spot, pick, span},
-    scene::{LobeKind, Scene, SceneLobe},
+    scene::{LobeKind, Scene, SceneLobe, ScenePoint},
 };
 use ltcforge_fit::{BrdfKind, Configuration, MOST_MATERIALS, PerAxis, WeightedF0, math::recurrence4};
+use ltcforge_light::AnyLight;
 
 /// The start of the sequence of configurations.
 const SHIFT: [f64; 4] = [0.5, 0.236_067_977_499_79, 0.732_050_807_568_877, 0.645_751_311_064_59];
@@ -18,6 +21,7 @@ const ROUNDED_TO: f64 = 1000.0;
 /// The lobes of a scene that one table covers.
 #[derive(Debug, Clone)]
 pub struct Needs<'a> {
+    pub(crate) scene: &'a Scene,
     /// The lobes, each with the index of its material.
     pub(crate) lobes: Vec<(usize, &'a SceneLobe)>,
     /// The scattering model.
@@ -26,15 +30,26 @@ pub struct Needs<'a> {
     pub(crate) range: PerAxis<[f64; 2]>,
 }
 
-/// A configuration of a scene and the reflectance there.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A configuration of a scene, and the material there.
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Place {
+    /// The index of the lobe in [`Needs::lobes`].
+    pub(crate) lobe: usize,
+    /// The part of the surface that the place stands for.
+    pub(crate) weight: f64,
     /// Roughnesses and view.
     pub(crate) at: Configuration,
+    /// Reflectance at normal and at grazing incidence.
+    pub(crate) fresnel: [f64; 2],
+    /// The lights of the scene by their index.
+    pub(crate) lights: Vec<(usize, AnyLight)>,
+}
+
+impl Place {
     /// Reflectance at normal incidence divided by the reflectance at grazing incidence.
-    pub(crate) f0: f64,
-    /// Reflectance at grazing incidence.
-    pub(crate) f90: f64,
+    pub(crate) fn f0(&self) -> f64 {
+        rounded_f0(self.fresnel[0] / self.fresnel[1])
+    }
 }
 
 impl<'a> Needs<'a> {
@@ -46,7 +61,7 @@ impl<'a> Needs<'a> {
             return None;
         }
         let brdf = if sheen { BrdfKind::CharlieNeubelt } else { BrdfKind::Ggx };
-        Some(Self { range: range(&lobes), lobes, brdf })
+        Some(Self { scene, range: range(&lobes), lobes, brdf })
     }
 
     /// Whether all lobes are isotropic.
@@ -89,12 +104,24 @@ impl<'a> Needs<'a> {
         [rest, metal].into_iter().filter_map(part).collect()
     }
 
-    /// Draws configurations by the weights of roughnesses, views and metal in the scene.
+    /// The parts of the surface that have the lobes.
+    pub(crate) fn shares(&self) -> Vec<f64> {
+        let weights = self.lobes.iter().map(|(_, lobe)| lobe.weight());
+        let total: f64 = weights.clone().sum();
+        weights.map(|weight| weight / total).collect()
+    }
+
+    /// Draws configurations by the weights of roughnesses, views and metal in the scene. Half of them are spread evenly
+    /// over the lobes.
     pub(crate) fn draw(&self, count: usize) -> Vec<Place> {
-        let (spots, weights): (Vec<_>, Vec<f64>) = self.spots().map(|at| (at, at.0.weight)).unzip();
+        let shares = self.shares();
+        let drawn_at: Vec<f64> = shares.iter().map(|share| 0.5 * (share + 1.0 / shares.len() as f64)).collect();
         let drawn = |i: usize| {
             let [u, v, w, metal] = recurrence4(i, SHIFT);
-            let (spot, lobe) = spots[pick(&weights, u).0];
+            let (index, u) = pick(&drawn_at, u);
+            let lobe = self.lobes[index].1;
+            let weights: Vec<f64> = lobe.spots.iter().map(|spot| spot.weight).collect();
+            let spot = lobe.spots[pick(&weights, u).0];
             let [theta, phi] = lobe.views.draw(v, w);
             // An isotropic lobe has no direction along the surface, so its azimuth is drawn uniformly.
             let phi = if lobe.is_isotropic() { w * FRAC_PI_2 } else { phi };
@@ -102,9 +129,28 @@ impl<'a> Needs<'a> {
             let parts: Vec<f64> = lobe.formula.iter().map(|[_, f90, area]| f90 * area).collect();
             let has_f0 = self.brdf.has_fresnel() && !parts.is_empty();
             let [f0, f90, _] = if has_f0 { lobe.formula[pick(&parts, metal).0] } else { [1.0; 3] };
-            Place { at, f0: rounded_f0(f0 / f90), f90 }
+            // A list of materials has no positions: lights are relative to each place.
+            let lights = self.scene.lights.iter().enumerate();
+            let lights = lights.filter_map(|(i, light)| Some((i, light.light.seen_from(DVec3::ZERO, DVec3::AXES)?)));
+            let weight = shares[index] / drawn_at[index] / count as f64;
+            Place { lobe: index, weight, at, fresnel: [f0 / f90, 1.0], lights: lights.collect() }
         };
         (0..count).map(drawn).collect()
+    }
+
+    /// The points of the surface that the scene's lights reach.
+    pub(crate) fn lit(&self) -> Vec<Place> {
+        let total: f64 = self.scene.points.iter().map(|point| point.weight).sum();
+        let place = |point: &ScenePoint| {
+            let is_own = |(material, lobe): &(usize, &SceneLobe)| (*material, lobe.kind) == point.of;
+            let lobe = self.lobes.iter().position(is_own)?;
+            let (weight, lights) = (point.weight / total, point.lights.clone());
+            Some(Place { lobe, weight, at: point.at, fresnel: point.fresnel, lights })
+        };
+        // Materials alternate, so that the first places are from all of them.
+        let mut order: Vec<usize> = (0..self.scene.points.len()).collect();
+        order.sort_by_key(|index| (*index as u32).reverse_bits());
+        order.into_iter().filter_map(|index| place(&self.scene.points[index])).collect()
     }
 }
 

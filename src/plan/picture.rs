@@ -1,7 +1,7 @@
 //! A plan as a picture, `plan.svg`: the scene's roughnesses with the nodes of its table, and the front of error against
 //! bytes with the chosen table.
 
-use std::{collections::BTreeMap, f64::consts::LN_10};
+use std::f64::consts::LN_10;
 
 use crate::{histogram::Spot, plan::TablePlan};
 use ltcforge_fit::math::{ln, pow};
@@ -17,8 +17,6 @@ const LARGEST: f64 = 22.0;
 const LEAST: f64 = 1.5;
 /// Maximum number of roughnesses with their own marks. These are the roughnesses with the most surface.
 const MOST_MARKS: usize = 200;
-/// Number of cells on each axis. The cells contain the remaining roughnesses.
-const CELLS: usize = 32;
 
 /// Light and dark colours in one file. The viewer's preference selects one of them.
 const STYLE: &str = include_str!("picture.css");
@@ -83,21 +81,9 @@ fn draw_spots(out: &mut Vec<String>, plan: &TablePlan<'_>) {
     let total: f64 = spots.iter().map(|spot| spot.weight).sum();
     let radius = |weight: f64| (LARGEST * (weight / total).sqrt()).max(LEAST);
     let (marked, rest) = spots.split_at(spots.len().min(MOST_MARKS));
-    // A square is as large as the mark of one roughness with the weight of its cell.
-    let mut cells = BTreeMap::new();
-    let cell = |x: f64| ((x * CELLS as f64) as usize).min(CELLS - 1);
-    for spot in rest {
-        *cells.entry([cell(spot.alpha.sqrt()), cell(spot.ratio)]).or_insert(0.0) += spot.weight;
-    }
-    for (cell, weight) in &cells {
-        let [across, up] = cell.map(|cell| (cell as f64 + 0.5) / CELLS as f64);
-        let half = radius(*weight);
-        let (at, top, side) = (left + width * across - half, y(up) - half, 2.0 * half);
-        out.push(format!(r#"<rect class="spot" x="{at:.1}" y="{top:.1}" width="{side:.1}" height="{side:.1}"/>"#));
-    }
     if !rest.is_empty() {
         let (part, count) = (100.0 * rest.iter().map(|spot| spot.weight).sum::<f64>() / total, rest.len());
-        let words = format!("squares: {count} more roughnesses, {part:.1} % of the surface");
+        let words = format!("{count} more roughnesses, {part:.1} % of the surface");
         out.push(text("end", left + width, TOP - 8.0, &words));
     }
     for spot in marked {
@@ -134,7 +120,7 @@ fn draw_front(out: &mut Vec<String>, plan: &TablePlan<'_>) {
     for error in (0..).map(|tick| step * f64::from(tick)).take_while(|error| *error <= reach) {
         out.push(text("end", left - 8.0, y(error) + 4.0, &format!("{error:.3}")));
     }
-    out.push(format!(r#"<path class="limit" d="M{left} {:.1}h{width}"/>"#, y(plan.limit)));
+    out.push(format!(r#"<path class="limit" d="M{left} {:.1}h{width}"/>"#, y(plan.chosen.limit)));
     let shown = plan.front().filter(|candidate| candidate.error <= reach);
     let points: Vec<_> =
         shown.map(|candidate| format!("{:.1} {:.1}", x(candidate.bytes), y(candidate.error))).collect();
@@ -152,15 +138,9 @@ fn draw_front(out: &mut Vec<String>, plan: &TablePlan<'_>) {
         mark("measured", plan.chosen.bytes, measured.error, "");
     }
     if let Some((bytes, error)) = whole {
-        mark("whole", bytes, error, "whole domain, presets draft to best");
-        for at in plan.whole.presets().iter().filter(|at| at.error <= reach) {
-            let title = format!("whole domain, preset {}: error {:.4}, {:.1} s", at.preset, at.error, at.seconds);
-            let (x, y) = (x(bytes), y(at.error));
-            out.push(format!(r#"<circle class="whole" cx="{x:.1}" cy="{y:.1}" r="3"><title>{title}</title></circle>"#));
-        }
+        mark("whole", bytes, error, "whole domain");
     }
-    let words = format!("remains with {}", plan.limit_remains_with());
-    out.push(text("end", left + width - 8.0, y(plan.limit) + 16.0, &words));
+    out.push(text("end", left + width - 8.0, y(plan.chosen.limit) + 16.0, "remains with any table of these lobes"));
 }
 
 /// The step that gives a range three to eight ticks: 1, 2 or 5 times a power of ten.

@@ -1,19 +1,20 @@
 //! A plan: the needs of a scene, the candidates, the choice, and the measured error of its table.
 
-use serde::Serialize;
+use std::sync::Arc;
 
 use crate::{
     candidates::{Budget, Candidate, candidates, choose},
-    effort::added_error,
+    figures::{Figure, figures, lighting},
     form::Form,
     needs::Needs,
     prediction::{Nodes, Prediction, nodes_within},
-    probes::{Probes, Stopped},
+    probes::{POINTS, Probes, Stopped},
     shipped::shipped,
     without::{Shading, text_cost_of},
 };
 use ltcforge_files::{compact, recipe_document::Preset};
 use ltcforge_fit::{BrdfKind, GoOn, Layout, LobeFresnel, PerAxis, Precision, Recipe, StoredTerms, Table, fit_seconds};
+use ltcforge_textures::Engine;
 
 /// The default table in its compact form. `UPDATE_GOLDEN=whole cargo test -p ltcforge-plan whole` fits it again.
 pub(crate) const WHOLE: &[u8] = include_bytes!("whole.compact");
@@ -42,8 +43,6 @@ pub struct TablePlan<'a> {
     pub chosen: Candidate,
     /// The candidates. Candidates of the same kind are in the order of ascending bytes.
     pub(crate) candidates: Vec<Candidate>,
-    /// The error of the finest table. It comes from the lobe model, and from the nodes if the layout has a fixed size.
-    pub(crate) limit: f64,
     /// All tables that were fitted and measured, in order.
     pub fitted: Vec<Fitted>,
     /// The table of the whole domain, in its default form at preset `paper`.
@@ -51,6 +50,13 @@ pub struct TablePlan<'a> {
     /// The costs of the table's shader and of rules without a table.
     pub(crate) shading: Shading,
     pub(crate) form: Form,
+    /// The figures on each lobe: predicted from the coarse table, or measured.
+    pub figures: Vec<Figure>,
+    /// The scene's light with the largest error, and this error.
+    pub worst_light: Option<(&'a str, f64)>,
+    pub(crate) probes: Arc<Probes>,
+    /// The errors of the light with the engine's table, or with the default table.
+    stock: Option<Vec<f64>>,
     prediction: Prediction,
 }
 
@@ -61,7 +67,7 @@ pub struct Fitted {
     pub candidate: Candidate,
     /// Mean error on the scene's configurations, as a fraction of the lobe's width.
     pub error: f64,
-    /// Bytes of the compact form, if the budget counts them.
+    /// Bytes of the compact form or of the engine's files, if the budget counts them.
     pub shipped: Option<u64>,
     /// Processor seconds of the fit, if the caller measured them.
     pub seconds: Option<f64>,
@@ -91,32 +97,10 @@ pub struct Whole {
     pub seconds: Option<f64>,
 }
 
-/// The table of the whole domain at one preset.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub(crate) struct WholeAt {
-    pub(crate) preset: &'static str,
-    /// Mean error on the scene's configurations: the error of the stored or measured table, corrected for the preset's
-    /// effort.
-    pub(crate) error: f64,
-    /// Predicted seconds of one thread.
-    pub(crate) seconds: f64,
-}
-
 impl Whole {
     /// The measured error, or else the predicted error.
     pub(crate) fn known_error(&self) -> Option<f64> {
         self.error.or(self.predicted)
-    }
-
-    /// The table at each preset, fastest first; empty if its error is not known.
-    pub(crate) fn presets(&self) -> Vec<WholeAt> {
-        let Some(error) = self.known_error() else { return Vec::new() };
-        let at = |preset: Preset| {
-            let recipe = Recipe { fit: preset.fit(), ..self.recipe.clone() };
-            let error = error + added_error(&recipe) - added_error(&self.recipe);
-            WholeAt { preset: preset.name(), error, seconds: fit_seconds(&recipe) }
-        };
-        Preset::ALL.map(at).to_vec()
     }
 }
 
@@ -129,37 +113,76 @@ impl<'a> TablePlan<'a> {
     pub fn new(needs: Needs<'a>, budget: Budget, form: Form, go_on: &GoOn<'_>) -> Result<Self, Stopped> {
         let default = Layout::ALL.iter().copied().find(|layout| layout.takes(&needs.brdf.into()));
         let layout = form.layout.or(default).unwrap_or(Layout::ALL[0]);
-        let probes = Probes::new(&needs);
+        let probes = Probes::new(&needs, POINTS);
         let prediction = Prediction::new((&needs, &probes), layout, form, go_on)?;
         let mut whole = whole(&prediction.base);
-        if whole.recipe.brdf == BrdfKind::Ggx && layout == Layout::ALL[0] {
-            whole.predicted = compact::decode(WHOLE).ok().map(|table| probes.error(&table));
+        let kept = compact::decode(WHOLE).ok().filter(|_| needs.brdf == BrdfKind::Ggx);
+        if layout == Layout::ALL[0] {
+            whole.predicted = kept.as_ref().map(|table| probes.error(table));
         }
-        Ok(Self::chosen_by(needs, budget, form, prediction, whole))
+        let stock = form.engine.and_then(Engine::stock).or(kept);
+        let stock = stock.and_then(|table| probes.light_errors(lighting(&table)));
+        let chosen = Candidate::of(&prediction, Nodes::even(0, prediction.base.resolution), prediction.base.fit);
+        let shading = Shading::new(&needs, &probes, form.gpu);
+        let (probes, candidates, fitted, figures) = (Arc::new(probes), Vec::new(), Vec::new(), Vec::new());
+        let is_met = false;
+        let plan = Self {
+            needs,
+            budget,
+            is_met,
+            chosen,
+            candidates,
+            fitted,
+            figures,
+            worst_light: None,
+            whole,
+            shading,
+            form,
+            probes,
+            stock,
+            prediction,
+        };
+        Ok(plan.choose())
     }
 
-    fn chosen_by(needs: Needs<'a>, budget: Budget, form: Form, prediction: Prediction, whole: Whole) -> Self {
-        let mut candidates = candidates(&prediction);
-        let is_readable = |candidate: &Candidate| form.gpu.allows(text_cost_of(&candidate.recipe));
-        let is_any_readable = candidates.iter().any(is_readable);
+    fn choose(mut self) -> Self {
+        self.candidates = candidates(&self.prediction);
+        let gpu = self.form.gpu;
+        let is_readable = |candidate: &Candidate| gpu.allows(text_cost_of(&candidate.recipe));
+        let is_any_readable = self.candidates.iter().any(is_readable);
         if is_any_readable {
-            candidates.retain(is_readable);
+            self.candidates.retain(is_readable);
         }
-        let choice = choose(&candidates, budget);
-        let is_met = choice.is_ok() && is_any_readable;
-        let chosen = choice.unwrap_or_else(|nearest| nearest).clone();
-        let limit = prediction.limit(chosen.recipe.brdf.fresnel());
-        let shading = Shading::new(&needs, &chosen.recipe, form.gpu);
-        let fitted = Vec::new();
-        Self { needs, budget, is_met, chosen, candidates, limit, fitted, whole, shading, form, prediction }
+        let choice = choose(&self.candidates, self.budget);
+        self.is_met = choice.is_ok() && is_any_readable;
+        self.chosen = choice.unwrap_or_else(|nearest| nearest).clone();
+        let read = self.prediction.read(&self.chosen.recipe);
+        self.show(&read);
+        self
+    }
+
+    /// Computes the figures of each lobe for a table of the choice.
+    fn show(&mut self, table: &Table) {
+        let of_table = self.probes.light_errors(lighting(table));
+        let mean = of_table.as_ref().map(|errors| self.probes.mean(errors));
+        self.shading.compare(&self.chosen.recipe, mean);
+        self.worst_light = self.probes.worst_light(lighting(table), &self.needs.scene.lights);
+        let light = [of_table, self.stock.clone(), self.shading.without().and_then(|form| form.light.clone())];
+        self.figures = figures(&self.needs, &self.probes, (table, self.chosen.recipe.brdf.fresnel()), light);
     }
 
     /// The same plan with another budget and other GPU limits. Domain: limits that allow two lobes per entry if the
     /// limits of this plan allow them.
     #[cfg(test)]
     pub(crate) fn within(&self, budget: Budget, gpu: crate::GpuLimit) -> Self {
-        let form = Form { gpu, ..self.form };
-        Self::chosen_by(self.needs.clone(), budget, form, self.prediction.clone(), self.whole.clone())
+        let shading = Shading::new(&self.needs, &self.probes, gpu);
+        Self { budget, shading, form: Form { gpu, ..self.form }, ..self.clone() }.choose()
+    }
+
+    /// The coarse table, read at the nodes of another.
+    #[cfg(test)]
+    pub(crate) fn read(&self, recipe: &Recipe) -> Table {
+        self.prediction.read(recipe)
     }
 
     /// Sets the processor seconds of the fit of the whole domain's table, which show how fast this machine is.
@@ -174,12 +197,6 @@ impl<'a> TablePlan<'a> {
         Some(fitted.seconds? / (fitted.candidate.seconds * slower))
     }
 
-    /// The settings that cannot reduce the error of [`TablePlan::limit`].
-    pub(crate) fn limit_remains_with(&self) -> &'static str {
-        let is_of_one_size = self.chosen.recipe.layout.only_ranges().is_some();
-        if is_of_one_size { "any samples and directions" } else { "any number of nodes" }
-    }
-
     /// Measures the fitted table of the choice and, if given, the table of the whole domain. `seconds` is the time of
     /// the fit. The measured error or bytes decide whether the budget is met.
     ///
@@ -189,12 +206,14 @@ impl<'a> TablePlan<'a> {
     /// choice whose compact form is too long is corrected several times. If the choice changes, the plan is not
     /// [measured](TablePlan::is_measured): fit the new choice too.
     pub fn measure(&mut self, table: &Table, whole: Option<&Table>, seconds: Option<f64>) {
-        let probes = Probes::new(&self.needs);
         // A table to ship is measured after decoding.
-        let (decoded, shipped) = self.chosen.shipped.and_then(|_| shipped(table)).unzip();
-        let error = probes.error(decoded.as_ref().unwrap_or(table));
+        let (decoded, shipped) = match self.form.engine {
+            Some(engine) => (None, engine.bytes(table, &self.chosen.recipe)),
+            None => self.chosen.shipped.and_then(|_| shipped(table)).unzip(),
+        };
+        let error = self.probes.error(decoded.as_ref().unwrap_or(table));
         if let Some(whole) = whole {
-            self.whole.error = Some(probes.error(whole));
+            self.whole.error = Some(self.probes.error(whole));
         }
         let is_first = self.fitted.is_empty();
         let fitted = Fitted { candidate: self.chosen.clone(), error, shipped, seconds };
@@ -216,10 +235,10 @@ impl<'a> TablePlan<'a> {
         if is_too_long || is_first && ((factor - 1.0).abs() > MOST_OFF || misses) {
             let of_bytes = shipped.zip(self.chosen.shipped).map_or(1.0, |(is, was)| is as f64 / was as f64);
             let (factor, margin) = if is_first { (factor, 1.0) } else { (1.0, MARGIN) };
-            let corrected = self.prediction.corrected(factor, of_bytes * margin);
-            let again = Self::chosen_by(self.needs.clone(), self.budget, self.form, corrected, self.whole.clone());
+            let prediction = self.prediction.corrected(factor, of_bytes * margin);
+            let again = Self { prediction, ..self.clone() }.choose();
             let is_met = if again.chosen.recipe == self.chosen.recipe { self.is_met } else { again.is_met };
-            *self = Self { is_met, fitted: std::mem::take(&mut self.fitted), ..again };
+            *self = Self { is_met, ..again };
         } else if is_first && self.whole.error.is_some_and(|whole| whole < error) {
             let nodes = self.of_default_nodes();
             if matches!(self.budget, Budget::Bytes(most) if nodes.spent() <= most) {
@@ -227,9 +246,20 @@ impl<'a> TablePlan<'a> {
             }
         }
         if self.is_measured() {
-            // A table that cannot light surfaces has no light error.
-            let _ = self.shading.measure(&self.needs, table);
+            self.show(table);
         }
+    }
+
+    /// The engine with its own table.
+    pub(crate) fn engine_table(&self) -> Option<Engine> {
+        self.form.engine.filter(|engine| engine.layout().is_some())
+    }
+
+    /// Mean absolute error of the light: by the table, by the engine's or the default table, and by the closed form.
+    #[must_use]
+    pub fn light_errors(&self) -> [Option<f64>; 3] {
+        let mean = |of: usize| self.figures.iter().map(|figure| Some(figure.share * figure.light[of]?)).sum();
+        [0, 1, 2].map(mean)
     }
 
     /// The candidate with the default table's numbers of nodes over the scene's ranges, in halves.

@@ -23,8 +23,10 @@ use crate::{
 };
 use ltcforge_files::recipe_document::Preset;
 use ltcforge_fit::{
-    FITTER_VERSION, GivenNodes, GoOn, Layout, LobeFresnel, LobeModel, PerAxis, Precision, Recipe, StoredTerms,
+    FITTER_VERSION, GivenNodes, GoOn, Layout, LobeFresnel, LobeModel, PerAxis, Precision, Recipe, StoredTerms, Table,
+    expectation,
 };
+use ltcforge_textures::Engine;
 
 /// Nodes of the coarse table if all lobes are isotropic, and if some are not.
 const ISOTROPIC: PerAxis<u32> = PerAxis { alpha: 33, ratio: 1, theta: 33, phi: 1 };
@@ -40,8 +42,16 @@ pub(crate) struct Prediction {
     pub(crate) lobes: Vec<Lobes>,
     /// The errors of the lobes that a table may have; those of the coarse table first.
     pub(crate) curves: Vec<Curve>,
+    /// The coarse table.
+    table: Table,
+    /// The error that a unit of expected error stands for.
+    scale: f64,
+    /// The engine whose files the budget counts.
+    engine: Option<Engine>,
     /// The bytes of compact forms, if the budget counts them.
-    shipped: Option<ShippedBytes>,
+    compact: Option<ShippedBytes>,
+    /// A factor on the bytes that are shipped.
+    of_bytes: f64,
     /// The scene's pairs of alpha and ratio; empty if a table cannot have them as materials.
     pub(crate) materials: Vec<[f64; 2]>,
 }
@@ -118,32 +128,48 @@ impl Prediction {
         // Tables of materials have at least two theta nodes.
         let may_be_materials = layout == Layout::Reflected && base.range.theta[0] < base.range.theta[1] && !is_even;
         let materials = if may_be_materials { needs.pairs() } else { Vec::new() };
-        let shipped = if form.ship { ShippedBytes::of(&table, &base) } else { None };
-        Ok(Self { base, lobes, curves, shipped, materials })
+        let compact = if form.ship { ShippedBytes::of(&table, &base) } else { None };
+        let scale = if probes.are_lit() { curves[0].of_base / expectation(&base).error } else { 1.0 };
+        Ok(Self { base, lobes, curves, table, scale, engine: form.engine, compact, of_bytes: 1.0, materials })
     }
 
     /// The error of a recipe's table on the scene. Domain: a recipe with these nodes; see [`Prediction::base`].
     pub(crate) fn error(&self, nodes: Nodes, recipe: &Recipe) -> f64 {
-        self.curves[nodes.lobes].of_base + self.of_nodes(nodes) + added_error(recipe) - added_error(&self.base)
+        let effort = self.scale * (added_error(recipe) - added_error(&self.base));
+        self.curves[nodes.lobes].of_base + self.of_nodes(nodes) + effort
     }
 
     /// The error of the finest table with these lobes.
     pub(crate) fn limit(&self, fresnel: &LobeFresnel) -> f64 {
         let curve = self.curves.iter().find(|curve| curve.fresnel == *fresnel).unwrap_or(&self.curves[0]);
-        curve.of_base + curve.interpolation([0.0; 4]) - added_error(&self.base)
+        curve.of_base + curve.interpolation([0.0; 4]) - self.scale * added_error(&self.base)
     }
 
-    /// The bytes of a recipe's compact form, if the budget counts them.
+    /// The bytes of a recipe's compact form or of an engine's files, if the budget counts them.
     pub(crate) fn shipped(&self, recipe: &Recipe) -> Option<u64> {
-        self.shipped.as_ref().map(|shipped| shipped.bytes(recipe))
+        let bytes = match self.engine {
+            Some(engine) => engine.predicted_bytes(&self.table, recipe),
+            None => self.compact.as_ref().map(|compact| compact.bytes(recipe)),
+        };
+        bytes.map(|bytes| (bytes as f64 * self.of_bytes).ceil() as u64)
     }
 
-    /// The prediction after a table was measured: `factor` multiplies all errors, `of_bytes` all bytes of compact
-    /// forms.
+    /// The coarse table, read at the nodes of another table. Nodes that are the scene's own values stay those of the
+    /// coarse table.
+    pub(crate) fn read(&self, recipe: &Recipe) -> Table {
+        let nodes = recipe.nodes();
+        let axes = if recipe.layout.is_of_materials() { 2..4 } else { 0..4 };
+        let axes = axes.filter(|_| self.base.layout.only_ranges().is_none());
+        let read = axes.fold(self.table.clone(), |table, axis| table.resampled(axis, nodes.named()[axis].1.clone()));
+        let fresnel = recipe.brdf.fresnel();
+        if fresnel == self.base.brdf.fresnel() { read } else { read.with_one_lobe(fresnel) }
+    }
+
+    /// The prediction after a table was measured: `factor` multiplies all errors, `of_bytes` all bytes that are shipped.
     pub(crate) fn corrected(&self, factor: f64, of_bytes: f64) -> Self {
         let curves = self.curves.iter().map(|curve| curve.clone().scaled(factor)).collect();
-        let shipped = self.shipped.as_ref().map(|shipped| shipped.corrected(of_bytes));
-        Self { curves, shipped, ..self.clone() }
+        let (scale, of_bytes) = (factor * self.scale, of_bytes * self.of_bytes);
+        Self { curves, scale, of_bytes, ..self.clone() }
     }
 
     /// The error that nodes add to the coarse table's error.

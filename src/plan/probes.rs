@@ -1,12 +1,18 @@
-//! Configurations of a scene with the lobes of its materials, for measuring the errors of tables.
+//! Configurations of a scene with the lobes and the true light of its materials, for measuring the errors of tables.
 
-use crate::needs::{Needs, Place};
-use ltcforge_fit::{
-    BrdfModel, Closeness, LobeFresnel, LobeModel, LookedUp, SampledLobes, Table, WeightedF0, brdf::LobeTerms,
+use std::{collections::BTreeMap, sync::OnceLock};
+
+use crate::{
+    needs::{Needs, Place},
+    scene::SceneLight,
 };
+use ltcforge_fit::{
+    BrdfModel, Closeness, LobeFresnel, LobeModel, LookedUp, SampledLobes, Table, WeightedF0, brdf::LobeTerms, terms_of,
+};
+use ltcforge_light::{AnyLight, Lighting, LitSurface, LitSurfaces, RandomLights};
 
 /// Number of configurations at which the error of a table is measured.
-const POINTS: usize = 256;
+pub(crate) const POINTS: usize = 256;
 /// Number of configurations for errors that only show how much worse one table is than another. They are the first of
 /// all configurations.
 const COARSE_POINTS: usize = 64;
@@ -16,51 +22,135 @@ const COARSE_POINTS: usize = 64;
 #[error("stopped")]
 pub struct Stopped;
 
-/// Configurations of a scene with the lobes of its materials.
+/// Configurations of a scene with the lobes and the light of its materials.
 #[derive(Debug, Clone)]
 pub(crate) struct Probes {
     pub(crate) places: Vec<Place>,
-    lobes: SampledLobes,
+    /// The lobes; `None` under the scene's own lights. Errors are then errors of the light.
+    lobes: Option<SampledLobes>,
+    /// The places under the scene's own lights, or each under a random rectangle.
+    surfaces: Vec<LitSurface>,
+    lit: OnceLock<Option<LitSurfaces>>,
+    brdf: BrdfModel,
 }
 
 impl Probes {
-    /// Draws configurations by their weights in the scene. Runs on the current rayon pool. The size of the pool does
-    /// not change the result.
-    pub(crate) fn new(needs: &Needs<'_>) -> Self {
-        let places = needs.draw(POINTS);
-        let model = |place: &Place| {
-            let material = LobeFresnel::mix(vec![WeightedF0 { f0: place.f0, weight: 1.0 }]).unwrap_or_default();
-            (BrdfModel::from(needs.brdf).with_fresnel(material), place.at)
+    /// Draws configurations by their weights in the scene, or takes the points of its surface under its own lights.
+    /// Runs on the current rayon pool. The size of the pool does not change the result.
+    pub(crate) fn new(needs: &Needs<'_>, count: usize) -> Self {
+        let brdf = BrdfModel::from(needs.brdf);
+        let lit = needs.lit();
+        let places = if lit.is_empty() { needs.draw(count) } else { lit };
+        let is_lit = !needs.scene.lights.is_empty();
+        let radiance = |(index, light): &(usize, AnyLight)| (needs.scene.lights[*index].radiance, light.clone());
+        let lights: Vec<Vec<(f64, AnyLight)>> = if is_lit {
+            places.iter().map(|place| place.lights.iter().map(radiance).collect()).collect()
+        } else {
+            let around = RandomLights::around(&brdf, &places.iter().map(|place| place.at).collect::<Vec<_>>());
+            around
+                .into_iter()
+                .map(|light| light.into_iter().map(|light| (1.0, AnyLight::Polygon(light))).collect())
+                .collect()
         };
-        let at: Vec<_> = places.iter().map(model).collect();
-        Self { lobes: SampledLobes::new(&at), places }
+        let surface = |(place, lights): (&Place, _)| LitSurface { at: place.at, fresnel: place.fresnel, lights };
+        let surfaces = places.iter().zip(lights).map(surface).collect();
+        let model = |place: &Place| {
+            let material = LobeFresnel::mix(vec![WeightedF0 { f0: place.f0(), weight: 1.0 }]).unwrap_or_default();
+            (brdf.clone().with_fresnel(material), place.at)
+        };
+        let lobes = (!is_lit).then(|| SampledLobes::new(&places.iter().map(model).collect::<Vec<_>>()));
+        Self { lobes, surfaces, lit: OnceLock::new(), brdf, places }
     }
 
-    /// Mean error of a table, as a fraction of the width of the material's lobe.
+    /// Whether errors are errors of light, under the scene's own lights.
+    pub(crate) fn are_lit(&self) -> bool {
+        self.lobes.is_none()
+    }
+
+    /// Mean error of a table: as a fraction of the width of the material's lobe, or of light.
     pub(crate) fn error(&self, table: &Table) -> f64 {
         self.error_as(table, table.brdf.fresnel(), Closeness::Report)
     }
 
-    /// Mean error of a table that is read as if it was fitted to `lobes`. A table with two lobes is blended for the
-    /// reflectance that one lobe would be fitted to.
+    /// Mean error of a table that is read as if it was fitted to `lobes`.
     pub(crate) fn error_as(&self, table: &Table, lobes: &LobeFresnel, closeness: Closeness) -> f64 {
-        let points = if closeness == Closeness::Coarse { COARSE_POINTS } else { POINTS };
+        self.mean(&self.errors_as(table, lobes, closeness))
+    }
+
+    /// The error of a table at each place. A table with two lobes is blended for the reflectance that one lobe would be
+    /// fitted to.
+    pub(crate) fn errors_as(&self, table: &Table, lobes: &LobeFresnel, closeness: Closeness) -> Vec<f64> {
+        let points = if closeness == Closeness::Coarse && !self.are_lit() { COARSE_POINTS } else { self.places.len() };
+        // Light needs terms.
+        let own = (self.are_lit() && table.terms.is_none())
+            .then(|| Table { terms: Some(terms_of(&table.brdf, table.layout, &table.axes)), ..table.clone() });
+        let table = own.as_ref().unwrap_or(table);
         let at = |place: &Place| {
             let found = table.lookup(&place.at);
             let terms = found.amplitude.zip(found.fresnel).filter(|_| lobes.second().is_none());
-            let f0 = terms.map_or(place.f0, |(amplitude, fresnel)| lobes.f0(&LobeTerms { amplitude, fresnel }));
+            let f0 = terms.map_or(place.f0(), |(amplitude, fresnel)| lobes.f0(&LobeTerms { amplitude, fresnel }));
             found.blended_for(f0)
         };
-        self.mean(table.lobe, &self.places[..points].iter().map(at).collect::<Vec<_>>(), closeness)
+        self.errors_of(table.lobe, &self.places.iter().take(points).map(at).collect::<Vec<_>>(), closeness)
     }
 
     /// Mean error of lobes, each fitted for one of the first places. Domain: at least one lobe.
     pub(crate) fn error_of(&self, lobes: &[LookedUp]) -> f64 {
-        let blended = self.places.iter().zip(lobes).map(|(place, lobe)| lobe.blended_for(place.f0));
-        self.mean(LobeModel::Ltc, &blended.collect::<Vec<_>>(), Closeness::Report)
+        let blended = self.places.iter().zip(lobes).map(|(place, lobe)| lobe.blended_for(place.f0()));
+        self.mean(&self.errors_of(LobeModel::Ltc, &blended.collect::<Vec<_>>(), Closeness::Report))
     }
 
-    fn mean(&self, model: LobeModel, found: &[LookedUp], closeness: Closeness) -> f64 {
-        self.lobes.widths(model, found, closeness).iter().sum::<f64>() / found.len() as f64
+    fn errors_of(&self, model: LobeModel, found: &[LookedUp], closeness: Closeness) -> Vec<f64> {
+        let of_light = || Some(sums(self.lit()?.errors_of(found).ok()?));
+        match &self.lobes {
+            Some(lobes) => lobes.widths(model, found, closeness),
+            None => of_light().unwrap_or_else(|| vec![f64::INFINITY; found.len()]),
+        }
     }
+
+    /// The true light, which is computed when it is first needed.
+    fn lit(&self) -> Option<&LitSurfaces> {
+        self.lit.get_or_init(|| LitSurfaces::new(self.brdf.clone(), self.surfaces.clone()).ok()).as_ref()
+    }
+
+    /// Absolute error of the light at each place; `None` if the model cannot light the surfaces.
+    pub(crate) fn light_errors(&self, model: Lighting<'_>) -> Option<Vec<f64>> {
+        Some(sums(self.lit()?.errors(model).ok()?))
+    }
+
+    /// The light of the scene with the largest mean error, and this error. Lights of one name are one light.
+    pub(crate) fn worst_light<'a>(&self, model: Lighting<'_>, lights: &'a [SceneLight]) -> Option<(&'a str, f64)> {
+        let errors = self.lit().filter(|_| self.are_lit())?.errors(model).ok()?;
+        let mut sums: BTreeMap<&str, f64> = BTreeMap::new();
+        for (place, errors) in self.places.iter().zip(errors) {
+            let mut here: BTreeMap<&str, f64> = BTreeMap::new();
+            for ((light, _), error) in place.lights.iter().zip(errors) {
+                *here.entry(&lights[*light].name).or_default() += place.weight * error;
+            }
+            here.into_iter().for_each(|(name, error)| *sums.entry(name).or_default() += error.abs());
+        }
+        sums.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// Weighted mean of the errors at the first places.
+    pub(crate) fn mean(&self, errors: &[f64]) -> f64 {
+        self.mean_where(errors, |_| true)
+    }
+
+    /// Weighted mean of the errors at the places of a lobe; 0 without a place.
+    pub(crate) fn mean_of(&self, errors: &[f64], lobe: usize) -> f64 {
+        self.mean_where(errors, |place| place.lobe == lobe)
+    }
+
+    fn mean_where(&self, errors: &[f64], is_wanted: impl Fn(&Place) -> bool) -> f64 {
+        let wanted = self.places.iter().zip(errors).filter(|(place, _)| is_wanted(place));
+        let [sum, weight] =
+            wanted.fold([0.0; 2], |[sum, weight], (place, error)| [sum + place.weight * error, weight + place.weight]);
+        if weight > 0.0 { sum / weight } else { 0.0 }
+    }
+}
+
+/// The absolute error of the light of all lights, for each place.
+fn sums(errors: Vec<Vec<f64>>) -> Vec<f64> {
+    errors.into_iter().map(|of_lights| of_lights.into_iter().sum::<f64>().abs()).collect()
 }

@@ -1,9 +1,10 @@
-//! Predicts the bytes of compact forms from the coarse table.
+//! The bytes of compact forms, predicted from the coarse table.
 //!
-//! We encode the coarse table, and for each axis the table with every second node along this axis. The two sizes give
-//! the growth of the bytes with the number of nodes on this axis, as a power. Powers of different axes multiply.
+//! We encode it, and for each axis the table with every
+//! second node along this axis. The two sizes give the growth of the bytes with the number of nodes on this axis, as a
+//! power. Powers of different axes multiply.
 
-use crate::resampled::coarser;
+use crate::curve::coarser;
 use ltcforge_files::compact;
 use ltcforge_fit::{
     Layout, Recipe, Table,
@@ -46,11 +47,6 @@ impl ShippedBytes {
             (0..4).map(|axis| pow(f64::from(resolution[axis]) / f64::from(self.nodes[axis]), self.powers[axis]));
         let second = if recipe.brdf.fresnel().second().is_some() { SECOND } else { 0.0 };
         (self.of_base * (1.0 + second) * grown.product::<f64>()).ceil() as u64
-    }
-
-    /// The same prediction with all bytes multiplied, after a table was encoded.
-    pub(crate) fn corrected(&self, factor: f64) -> Self {
-        Self { of_base: factor * self.of_base, ..self.clone() }
     }
 }
 

@@ -111,11 +111,10 @@ fn recipes_of_plans_are_recipes_and_hold_every_material() {
         assert_eq!(parse(canonical_json(recipe).as_bytes(), DEFAULT_ENTRY_LIMIT).as_ref(), Ok(recipe));
         let draft = Recipe { fit: ltcforge_files::recipe_document::Preset::Draft.fit(), ..recipe.clone() };
         let table = fitted(&draft);
-        assert_eq!(outside(scene, &table), []);
-        let rougher = list.replace("0.04,", "0.03,").replace("0.09,", "0.02,").replace("0.7}", "0.9}");
-        let other = listed(&rougher);
-        let beyond = outside(&other, &table);
-        assert_eq!(beyond.len(), 1, "{beyond:?}");
+        let worst = |scene: &Scene| check(scene, &table).expect("lobes")[0].error;
+        let rougher = list.replace("0.04,", "0.02,").replace("0.09,", "0.02,").replace("0.7}", "0.95}");
+        let (own, other) = (worst(scene), worst(&listed(&rougher)));
+        assert!(other > 1.5 * own, "{own} {other}");
     }
 }
 
@@ -155,7 +154,7 @@ fn nodes_are_closer_where_more_surface_is() {
     let nodes = placed.recipe.given().axes().alpha.clone();
     assert!(placed.error < even.error, "{} {}", placed.error, even.error);
     assert!(nodes.iter().filter(|alpha| (0.28..0.38).contains(*alpha)).count() >= 2, "{nodes:?}");
-    let probes = probes::Probes::new(&plan.needs);
+    let probes = probes::Probes::new(&plan.needs, probes::POINTS);
     let [even, placed] = [even, &placed].map(|each| probes.error(&fitted(&each.recipe)));
     assert!(placed < even, "{placed} {even}");
 }
@@ -174,12 +173,8 @@ fn materials_far_apart_have_their_own_table() {
     println!("{:?} {measured:?} predicted {}", recipe.resolution(), plan.chosen.error);
     // The table of the whole domain has an error of 0.0629.
     assert!((0.85..1.15).contains(&measured.off_by()) && measured.error <= 0.0629, "{measured:?}");
-    assert_eq!(outside(&scene, &table), []);
     let written = document(&scene, &[plan]);
     assert_eq!(written["tables"][0]["serves"][6]["table_materials"], serde_json::json!([6]));
-    let moved = listed(&include_str!("../../docs/plan/seven.json").replace("0.36", "0.37"));
-    let beyond = outside(&moved, &table);
-    assert_eq!((beyond.len(), beyond[0].axes.len(), beyond[0].axes[0].table), (1, 2, [0.36, 0.36]), "{beyond:?}");
 }
 
 #[test]
@@ -220,7 +215,7 @@ fn the_whole_domain_s_table_is_kept() {
         std::fs::write(concat!(env!("CARGO_MANIFEST_DIR"), "/whole.compact"), &encoded).expect("a file");
     }
     assert!(encoded == plan::WHOLE, "UPDATE_GOLDEN=whole cargo test -p ltcforge-plan whole writes it");
-    let probes = probes::Probes::new(&plan.needs);
+    let probes = probes::Probes::new(&plan.needs, probes::POINTS);
     let kept = ltcforge_files::compact::decode(plan::WHOLE).expect("a table");
     let [exact, kept] = [table, &kept].map(|table| probes.error(table));
     assert!((kept / exact - 1.0).abs() < 0.03, "{kept} {exact}");
@@ -266,8 +261,126 @@ fn a_picture_of_many_roughnesses_has_a_bounded_length() {
     let svg = picture(&[CROWDED_PLAN.plan(Budget::Bytes(2000))]);
     assert_eq!(svg.matches(r#"<circle class="spot""#).count(), 200);
     // The last 102 roughnesses have 1/306 of the surface each, and are close together.
-    assert!(svg.contains("squares: 102 more roughnesses, 33.3 % of the surface"));
-    assert!((1..=2).contains(&svg.matches(r#"<rect class="spot""#).count()));
+    assert!(svg.contains("102 more roughnesses, 33.3 % of the surface"));
     let few = picture(&[ISOTROPIC_PLAN.plan(Budget::Bytes(2000))]);
-    assert!(!few.contains("squares:"));
+    assert!(!few.contains("more roughnesses"));
+}
+
+/// Files of every engine are within the budget, or the plan says that they are not.
+#[test]
+#[ignore = "make test-all runs it"]
+fn an_engine_s_files_are_within_the_bytes_of_the_budget() {
+    let scene = &ISOTROPIC_PLAN.scene;
+    for engine in ltcforge_textures::Engine::ALL.iter().copied() {
+        let textures = engine.layout().and_then(|name| ltcforge_textures::TextureLayout::named(name).ok());
+        let layout = textures.map(|textures| textures.sampling().table);
+        let form = Form { layout, engine: Some(engine), ..Form::default() };
+        let mut met = 0;
+        for most in [9_000, 30_000, 130_000, 400_000] {
+            let needs = Needs::of(scene, false).expect("lobes");
+            let plan = TablePlan::new(needs, Budget::Bytes(most), form, &|| true).expect("nothing stops it");
+            let draft =
+                Recipe { fit: ltcforge_files::recipe_document::Preset::Draft.fit(), ..plan.chosen.recipe.clone() };
+            let bytes = engine.bytes(&fitted(&draft), &draft).expect("files");
+            let predicted = plan.chosen.spent();
+            println!("{engine} {most}: {bytes}, predicted {predicted}, met {}", plan.is_met);
+            assert!(
+                bytes <= predicted && predicted <= bytes + bytes / 20 + 600,
+                "{engine} {most}: {bytes} {predicted}"
+            );
+            assert!(!plan.is_met || bytes <= most, "{engine} {most}: {bytes}");
+            met += usize::from(plan.is_met);
+        }
+        assert!(met > 0, "{engine}");
+    }
+}
+
+/// Among tables of one size, nothing is saved by a larger error.
+#[test]
+#[ignore = "make test-all runs it"]
+fn a_table_of_one_size_is_fitted_with_the_least_error() {
+    let form = Form { layout: Some(Layout::Ltc2017), ..Form::default() };
+    let needs = Needs::of(&ISOTROPIC_PLAN.scene, false).expect("lobes");
+    let plan = TablePlan::new(needs, Budget::Knee, form, &|| true).expect("nothing stops it");
+    let least = plan.candidates.iter().map(|each| each.error).fold(f64::INFINITY, f64::min);
+    assert!(plan.candidates.len() > 3 && plan.chosen.error == least, "{:?}", plan.chosen);
+}
+
+/// A table for metals of roughness 0.2 and 0.9, and scenes with another roughness, reflectance, view or light.
+#[test]
+#[ignore = "make test-all runs it"]
+fn a_check_finds_scenes_that_outgrew_their_table() {
+    let metals = |more: &str| {
+        let metal = |alpha: f64| format!(r#"{{"alpha_x": {alpha}, "alpha_y": {alpha}}}"#);
+        listed(&format!(r#"{{"materials": [{}, {}{more}]}}"#, metal(0.04), metal(0.81)))
+    };
+    let scene = metals("");
+    let plan = planned(&scene, Budget::Knee);
+    let table = fitted(&plan.chosen.recipe);
+    let most = 1.5 * figures::worst(&plan.figures);
+    let added = |alpha: f64, f0: f64| metals(&format!(r#", {{"alpha_x": {alpha}, "alpha_y": {alpha}, "f0": {f0}}}"#));
+    let roughness = [0.04, 0.05, 0.06, 0.09, 0.25, 0.49, 0.7, 0.8].map(|alpha| added(alpha, 1.0));
+    let reflectance = [0.02, 0.04, 0.2, 0.5, 0.8, 0.95].map(|f0| added(0.04, f0));
+    let views = [0.1, 0.4, 0.8, 1.1, 1.4, 1.5].map(|theta| {
+        let mut scene = metals("");
+        scene.materials[0].lobes[0].views.add(theta, 0.0, 1.0);
+        scene
+    });
+    let (mut above, mut wrong) = (0, Vec::new());
+    for (index, grown) in roughness.iter().chain(&reflectance).chain(&views).enumerate() {
+        let found = check(grown, &table).expect("lobes")[0].error;
+        // The reference has more configurations, and reads the materials one by one.
+        let of_material = |material: &SceneMaterial| {
+            let alone = Scene { materials: vec![material.clone()], ..Scene::default() };
+            probes::Probes::new(&Needs::of(&alone, false).expect("lobes"), 1024).error(&table)
+        };
+        let reference = grown.materials.iter().map(of_material).fold(0.0, f64::max);
+        println!("{index}: {found:.4}, reference {reference:.4}, threshold {most:.4}");
+        above += usize::from(reference > most);
+        if (found > most) != (reference > most) {
+            wrong.push((index, found, reference));
+        }
+    }
+    assert!(wrong.is_empty() && (5..=15).contains(&above), "{above}: {wrong:?}, threshold {most}");
+}
+
+/// At the knee, a table's light is nearly as near as that of the finest table: on each list, with tables read from the
+/// coarse table.
+#[test]
+#[ignore = "make test-all runs it"]
+fn a_table_at_the_knee_lights_as_well_as_the_finest() {
+    let lists = [
+        ("round", include_str!("../../docs/plan/round.json")),
+        ("coated", include_str!("../../docs/plan/coated.json")),
+        ("seven", include_str!("../../docs/plan/seven.json")),
+        ("strengths", include_str!("../../docs/plan/strengths.json")),
+        ("three metals", ISOTROPIC),
+    ];
+    for (name, list) in lists {
+        let scene = listed(list);
+        let plan = planned(&scene, Budget::Knee);
+        let light = |candidate: &Candidate| {
+            let read = plan.read(&candidate.recipe);
+            plan.probes.mean(&plan.probes.light_errors(figures::lighting(&read)).expect("terms"))
+        };
+        let most = plan.candidates.iter().map(|each| each.recipe.fit.samples * each.recipe.fit.directions).max();
+        let finest =
+            plan.candidates.iter().filter(|each| Some(each.recipe.fit.samples * each.recipe.fit.directions) == most);
+        let finest: Vec<&Candidate> =
+            finest.filter(|each| each.recipe.brdf.fresnel() == plan.chosen.recipe.brdf.fresnel()).collect();
+        let least = finest.iter().map(|each| each.error).fold(f64::INFINITY, f64::min);
+        let least_light = light(finest.iter().max_by_key(|each| each.bytes).expect("one"));
+        for each in finest.iter().step_by(finest.len().div_ceil(25)) {
+            let ratio = (each.error - each.limit) / (least - each.limit);
+            let of_light = light(each) / least_light;
+            println!(
+                "{name}: {} bytes, part {ratio:.2}, whole {:.3}, light {of_light:.3}",
+                each.bytes,
+                each.error / least
+            );
+        }
+        let chosen = light(&plan.chosen) / least_light;
+        println!("{name}: chosen {} bytes, light {chosen:.3}", plan.chosen.bytes);
+        assert!(chosen < 1.1, "{name}: {chosen}");
+    }
 }

@@ -4,7 +4,11 @@ use std::ops::ControlFlow;
 
 use serde_json::{Value, json};
 
-use crate::{Budget, Form, GpuLimit, Needs, Scene, TablePlan, probes::Probes, scene::tests::glb::Glb};
+use crate::{
+    Budget, Form, GpuLimit, Needs, Scene, TablePlan,
+    probes::{POINTS, Probes},
+    scene::tests::glb::Glb,
+};
 use ltcforge_fit::{Plan, fit_plan};
 
 /// A PNG of 64 x 64 texels.
@@ -54,7 +58,7 @@ fn errors_of_textured_scenes_are_as_predicted() {
         ("brushed", square(&brushed, of_anisotropy), false),
     ] {
         let needs = Needs::of(&scene, false).expect("lobes");
-        let probes = Probes::new(&needs);
+        let probes = Probes::new(&needs, POINTS);
         let plan = TablePlan::new(needs, Budget::Knee, Form::default(), &|| true).expect("nothing stops it");
         for budget in [Budget::Bytes(4000), Budget::Bytes(1200)] {
             let chosen = plan.within(budget, GpuLimit::default()).chosen;

@@ -1,15 +1,16 @@
 //! Light without a table: models `ltc-formula` and `normals`, which serve every material of GGX.
 
+use std::cmp::Ordering;
+
 use serde::Serialize;
 
-use crate::needs::Needs;
-use ltcforge_fit::{BrdfKind, Layout, PerAxis, Recipe, Table};
-use ltcforge_light::{ClosedForm, LightError, LightModel, Lighting, RandomLights, light_error, normals::NormalsRule};
+use crate::{needs::Needs, probes::Probes};
+use ltcforge_fit::{BrdfKind, Layout, Recipe};
+use ltcforge_light::{LightModel, Lighting, normals::NormalsRule};
 use ltcforge_shaders::GpuCost;
 
-/// Number of random rectangular lights, over the scene's ranges, for which table and model are compared. Tests do not
-/// need accurate errors.
-const LIGHTS: usize = if cfg!(test) { 50 } else { 500 };
+/// The closed form serves a scene better than a table if its error is below this part of the table's.
+pub(crate) const FAR_NEARER: f64 = 0.7;
 
 /// Limits of the GPU cost of a shader, see [`GpuCost`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
@@ -27,11 +28,6 @@ impl GpuLimit {
             limit.is_none_or(|most| cost.is_some_and(|cost| count(cost) <= most))
         };
         within(self.registers, |cost| cost.registers) && within(self.instructions, |cost| cost.instructions)
-    }
-
-    /// Whether there is a limit.
-    fn is_any(self) -> bool {
-        self != Self::default()
     }
 }
 
@@ -55,40 +51,42 @@ pub(crate) struct WithoutTable {
     pub(crate) rule: Option<NormalsRule>,
     /// The cost of its shader for one rectangle.
     pub(crate) gpu_cost: Option<GpuCost>,
-    /// Mean absolute error of the light of random rectangles, if the table was measured too.
+    /// Mean absolute error of the light, and the error at each place.
     pub(crate) light_error: Option<f64>,
+    #[serde(skip)]
+    pub(crate) light: Option<Vec<f64>>,
 }
 
 impl WithoutTable {
-    fn new(model: LightModel, rule: Option<NormalsRule>) -> Self {
-        let mut without = Self { model, rule, gpu_cost: None, light_error: None };
+    fn new(model: LightModel, rule: Option<NormalsRule>, probes: &Probes) -> Self {
+        let light = model.closed_form(rule).and_then(|form| probes.light_errors(Lighting::ClosedForm(form)));
+        let light_error = light.as_ref().map(|errors| probes.mean(errors));
+        let mut without = Self { model, rule, gpu_cost: None, light_error, light };
         // The lobe of a metal takes fewer instructions, but a shader serves all materials.
         let plastic = if model == LightModel::LtcFormula { ", plastic" } else { "" };
         without.gpu_cost = GpuCost::of(&format!("{}{plastic}", without.name(" ")));
         without
     }
 
-    fn form(&self) -> Option<ClosedForm> {
-        self.model.closed_form(self.rule)
+    /// The rule, or the name of a model without rules.
+    pub(crate) fn in_words(&self) -> String {
+        self.rule.map_or_else(|| format!("model {}", self.model), |rule| format!("rule {rule}"))
     }
 
     /// The model, and its rule after `before`.
-    fn name(&self, before: &str) -> String {
+    pub(crate) fn name(&self, before: &str) -> String {
         self.rule.map_or_else(|| self.model.to_string(), |rule| format!("{}{before}{rule}", self.model))
     }
 }
 
-/// The costs and errors of a table's shader, and of the models that need no table.
+/// The costs of a table's shader, and the costs and errors of the models that need no table.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Shading {
     /// The cost of the shader that reads the table.
     pub(crate) gpu_cost: Option<GpuCost>,
     /// Whether the cost of the table's shader is within the limits.
     pub(crate) is_table_readable: bool,
-    /// Mean absolute error of the table's light, if it was measured.
-    pub(crate) light_error: Option<f64>,
-    /// The index of the model without a table: the one with the least error within the limits; without limits, model
-    /// `normals` with its default rule.
+    /// The index of the best model without a table.
     chosen: Option<usize>,
     /// The models without a table.
     pub(crate) without_table: Vec<WithoutTable>,
@@ -96,18 +94,30 @@ pub(crate) struct Shading {
 }
 
 impl Shading {
-    /// The costs for a recipe's table. Scattering models other than GGX need a table.
-    pub(crate) fn new(needs: &Needs<'_>, recipe: &Recipe, limit: GpuLimit) -> Self {
+    /// Measures the models without a table. Scattering models other than GGX need a table. Runs on the current rayon
+    /// pool.
+    pub(crate) fn new(needs: &Needs<'_>, probes: &Probes, limit: GpuLimit) -> Self {
         let forms = NormalsRule::SHADED.iter().map(|rule| (LightModel::Normals, Some(*rule)));
         let forms = forms.chain([(LightModel::LtcFormula, None)]).filter(|_| needs.brdf == BrdfKind::Ggx);
-        let without_table: Vec<WithoutTable> = forms.map(|(model, rule)| WithoutTable::new(model, rule)).collect();
-        let mut within = without_table.iter().enumerate().filter(|(_, without)| limit.allows(without.gpu_cost));
-        // A model with more instructions has less error.
-        let instructions = |(_, without): &(usize, &WithoutTable)| without.gpu_cost.map(|cost| cost.instructions);
-        let finest = if limit.is_any() { within.max_by_key(instructions) } else { within.next() };
-        let chosen = finest.map(|(i, _)| i);
-        let gpu_cost = text_cost_of(recipe);
-        Self { gpu_cost, is_table_readable: limit.allows(gpu_cost), light_error: None, chosen, without_table, limit }
+        let without_table = forms.map(|(model, rule)| WithoutTable::new(model, rule, probes)).collect();
+        Self { gpu_cost: None, is_table_readable: true, chosen: None, without_table, limit }
+    }
+
+    /// Compares the models with a recipe's table. The best model is within the limits. It is the cheapest that is far
+    /// nearer than the table, or else the nearest.
+    pub(crate) fn compare(&mut self, recipe: &Recipe, light_error: Option<f64>) {
+        self.gpu_cost = text_cost_of(recipe);
+        self.is_table_readable = self.limit.allows(self.gpu_cost);
+        let most = light_error.map_or(0.0, |error| FAR_NEARER * error);
+        let is_far = |error: f64| error <= most;
+        let key = |without: &WithoutTable| {
+            let (error, cost) =
+                (without.light_error.unwrap_or(f64::INFINITY), without.gpu_cost.map(|cost| cost.instructions));
+            (!is_far(error), if is_far(error) { f64::from(cost.unwrap_or(u32::MAX)) } else { error })
+        };
+        let within = self.without_table.iter().enumerate().filter(|(_, without)| self.limit.allows(without.gpu_cost));
+        let best = within.min_by(|(_, a), (_, b)| key(a).partial_cmp(&key(b)).unwrap_or(Ordering::Equal));
+        self.chosen = best.map(|(index, _)| index);
     }
 
     /// The best model without a table within the limits.
@@ -115,63 +125,31 @@ impl Shading {
         self.chosen.map(|chosen| &self.without_table[chosen])
     }
 
-    /// Measures the light of the table and of the models without a table, over the scene's ranges or at the materials of
-    /// the table, for a Fresnel factor of one. Runs on the current rayon pool.
-    ///
-    /// # Errors
-    /// When the table cannot light surfaces.
-    pub(crate) fn measure(&mut self, needs: &Needs<'_>, table: &Table) -> Result<(), LightError> {
-        let of_pair = |[alpha, ratio]: [f64; 2]| PerAxis { alpha: [alpha; 2], ratio: [ratio; 2], ..needs.range };
-        let mut ranges: Vec<PerAxis<[f64; 2]>> = table.materials().map(of_pair).collect();
-        if ranges.is_empty() {
-            ranges.push(needs.range);
-        }
-        let each = LIGHTS.div_ceil(ranges.len());
-        let draw = |range| RandomLights::draw(&needs.brdf.into(), range, each);
-        let lights = ranges.iter().map(draw).collect::<Result<Vec<_>, _>>()?;
-        let mean = |lighting: Lighting<'_>| -> Result<f64, LightError> {
-            let errors = lights.iter().map(|lights| light_error(lighting, lights).map(|error| error.mean));
-            Ok(errors.sum::<Result<f64, _>>()? / lights.len() as f64)
-        };
-        self.light_error = Some(mean(Lighting::by(table))?);
-        for without in &mut self.without_table {
-            if let Some(form) = without.form() {
-                without.light_error = Some(mean(Lighting::ClosedForm(form))?);
-            }
-        }
-        Ok(())
-    }
-
-    /// The summary in words: the model without a table, and costs beyond the limits.
-    pub(crate) fn words(&self) -> Vec<String> {
+    /// The costs in words: of the table's shader, and of the model without a table.
+    pub(crate) fn words(&self) -> String {
         let words = |cost: Option<GpuCost>| match cost {
             Some(GpuCost { registers, instructions, .. }) => {
                 format!("{registers} registers, {instructions} instructions")
             }
             None => "not counted".to_owned(),
         };
-        let table = words(self.gpu_cost);
+        let without = self.without().map_or_else(String::new, |without| {
+            format!("; without a table: model {}, {}", without.name(", rule "), words(without.gpu_cost))
+        });
+        format!("shader of the table: {}{without}", words(self.gpu_cost))
+    }
+
+    /// The reasons that the GPU limits exclude the table or every model without a table.
+    pub(crate) fn beyond(&self) -> Vec<String> {
         let mut lines = Vec::new();
         if !self.is_table_readable {
-            lines.push(format!("the table's shader exceeds the GPU limits: {table}"));
+            lines.push("the table's shader exceeds the GPU limits".to_owned());
         }
-        if let Some(without @ WithoutTable { gpu_cost, light_error, .. }) = self.without() {
-            let within = if self.limit.is_any() { ", the finest within the limits" } else { "" };
-            let errors = self.light_error.zip(*light_error);
-            let errors = errors.map_or_else(String::new, |(table, other)| {
-                format!("; error of light {other:.4}, with the table {table:.4}")
-            });
-            let own = words(*gpu_cost);
-            lines.push(format!(
-                "without a table: model {}{within}, {own} (the table's shader: {table}){errors}",
-                without.name(", rule ")
-            ));
-        } else if let Some(least) =
-            self.without_table.iter().min_by_key(|least| least.gpu_cost.map(|cost| cost.instructions))
-        {
-            let own = words(least.gpu_cost);
-            let name = least.name(" ");
-            lines.push(format!("without a table: no model is within the limits; the cheapest, {name}, needs {own}"));
+        let cheapest = self.without_table.iter().min_by_key(|least| least.gpu_cost.map(|cost| cost.instructions));
+        if let Some(cheapest) = cheapest.filter(|_| self.chosen.is_none()) {
+            let needs = cheapest.gpu_cost.map_or(0, |cost| cost.instructions);
+            let name = cheapest.name(" ");
+            lines.push(format!("no model without a table is within the GPU limits: {name} needs {needs} instructions"));
         }
         lines
     }
@@ -183,7 +161,7 @@ mod tests {
     use crate::{Budget, Form, Scene, TablePlan};
 
     #[test]
-    fn limits_choose_the_finest_model_within_them() {
+    fn the_cheapest_model_within_the_limits_is_chosen_if_it_is_nearer_than_the_table() {
         let list =
             br#"{"materials": [{"alpha_x": 0.2, "alpha_y": 0.2}, {"alpha_x": 0.3, "alpha_y": 0.3, "f0": 0.04}]}"#;
         let scene = Scene::from_list(list).expect("a scene");
@@ -199,8 +177,7 @@ mod tests {
         let named = |name: &str, is_two, is_met| (Some(name.to_owned()), is_two, is_met);
         let plan = planned(limit(None, None));
         let within = |gpu: GpuLimit| outcome(&plan.within(Budget::Knee, gpu));
-        assert_eq!(outcome(&plan), named("normals balanced", true, true));
-        assert_eq!(within(limit(Some(96), Some(4000))), named("normals fine", true, true));
+        assert_eq!(outcome(&plan), named("normals fast", true, true));
         // A blend of two lobes takes 64 registers, one lobe 48.
         assert_eq!(within(limit(Some(64), None)), named("normals fast", true, true));
         let plan = planned(limit(Some(63), None));

@@ -1,5 +1,7 @@
 //! Exports of a table. Each set of files has a name.
 
+mod bytes;
+
 use std::{fmt, str::FromStr};
 
 use super::{

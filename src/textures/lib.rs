@@ -20,6 +20,7 @@ mod light;
 mod lut;
 mod recipe;
 mod rounding;
+mod stored_image;
 mod texture;
 
 pub use about::About;
@@ -40,4 +41,5 @@ pub use light::{
 };
 pub use lut::{LutEngine, LutExport, LutExportError, PNG};
 pub use rounding::{Rounded, RoundingError, round};
+pub use stored_image::{ImageResult, StoredImage};
 pub use texture::{Texture, TextureError};

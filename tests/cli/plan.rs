@@ -5,7 +5,7 @@ use std::{f64::consts::FRAC_PI_4, fs};
 use ltcforge::Digest;
 use serde_json::{Value, json};
 
-use crate::common::command::{run, run_with_stdin};
+use crate::common::command::run;
 
 const LIST: &str = r#"{"materials": [
     {"name": "steel", "alpha_x": 0.2, "alpha_y": 0.2, "weight": 3}, {"name": "lacquer", "alpha_x": 0.05, "alpha_y": 0.05, "f0": 0.04}
@@ -24,7 +24,13 @@ fn a_plan_is_fitted_pinned_and_checked() {
     let here = folder.path();
     fs::write(here.join("scene.json"), LIST).expect("a list");
     let output = run(here, ["plan", "scene.json", "--bytes", "2000", "--fit", "-o", "ltc"]).exited(0).stdout;
-    assert!(output.starts_with("2 materials, 0 anisotropic; every view\n"), "{output}");
+    assert!(output.starts_with("2 materials, every view. Use the closed form (rule "), "{output}");
+    assert!(
+        output.contains("no table, ") && output.contains("nearer than the default table; its worst material is "),
+        "{output}"
+    );
+    assert!(output.contains("\n  steel: roughness 0.45, 75 % of the surface, error 0.0"), "{output}");
+    assert!(output.contains("\nnext: ltcforge shader --two-lobes; in CI: ") && !output.contains("nodes"), "{output}");
     let plan = json_of(&fs::read(here.join("ltc/plan.json")).expect("a plan"));
     let table = &plan["tables"][0];
     let bytes = table["predicted"]["bytes"].as_u64().expect("bytes");
@@ -46,19 +52,19 @@ fn a_plan_is_fitted_pinned_and_checked() {
     assert_eq!(json!(Digest::of(recipe.trim_ascii()).to_string()), table["recipe_digest"]);
 
     run(here, ["lock", "ltc", "--plan", "ltc"]).exited(0);
-    let output = run(here, ["plan", "scene.json", "ltc.safetensors", "--check"]).exited(0).stdout;
-    assert!(!output.contains("reflectance"), "{output}");
-    let plain =
-        r#"{"preset": "draft", "range": {"ratio": [1, 1], "phi": [0, 0]}, "resolution": {"alpha": 4, "theta": 4}}"#;
-    let plain = run_with_stdin(here, ["fit", "-"], plain).exited(0).last_line().to_owned();
-    let output = run(here, ["plan", "scene.json", &plain, "--check"]).exited(0).stdout;
-    assert!(
-        output.contains("reflectance: the materials have F0 ") && output.contains("was fitted for 1.00"),
-        "{output}"
-    );
+    // The plan of the table promises its error.
+    let check = |scene: &str, more: &[&str]| {
+        run(here, [&["plan", scene, "ltc.safetensors", "--check", "-o", "ltc"], more].concat())
+    };
+    let output = check("scene.json", &[]).exited(0).stdout;
+    assert!(output.contains("the largest, within 0."), "{output}");
     fs::write(here.join("grown.json"), LIST.replace("0.05", "0.4")).expect("a list");
-    let output = run(here, ["plan", "grown.json", "ltc.safetensors", "--check"]).exited(3).stdout;
-    assert!(output.starts_with("lacquer: alpha 0.4000 to 0.4000, table 0.0500 to 0.2000"), "{output}");
+    let output = check("grown.json", &[]).exited(3).stdout;
+    assert!(output.starts_with("lacquer: error ") && output.contains(", above "), "{output}");
+    check("grown.json", &["--error", "2"]).exited(0);
+    check("scene.json", &["--error", "0.001"]).exited(3);
+    // Without a plan, a plan of the scene with the table's bytes promises.
+    run(here, ["plan", "grown.json", "ltc.safetensors", "--check"]).exited(3);
 }
 
 #[test]
@@ -108,14 +114,21 @@ fn a_plan_for_an_engine_has_its_layout_and_its_files() {
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();
     fs::write(here.join("scene.json"), STEEL).expect("a list");
-    let plan = ["--json", "plan", "scene.json", "--bytes", "2000", "--fit", "--for", "wgpu", "-o", "ltc"];
+    let plan = ["--json", "plan", "scene.json", "--bytes", "9000", "--fit", "--for", "wgpu", "-o", "ltc"];
     let report = json_of(run(here, plan).exited(0).stdout.as_bytes());
     let files: Vec<&str> = report["files"].as_array().expect("files").iter().filter_map(Value::as_str).collect();
     assert!(files.iter().all(|file| here.join(file).exists()), "{files:?}");
     assert!(files.iter().any(|file| file.ends_with("ltc_terms.ktx2")), "{files:?}");
+    let of_engine = files.iter().filter(|file| file.ends_with(".ktx2") || file.contains("/ltc"));
+    let shipped: u64 = of_engine
+        .collect::<std::collections::BTreeSet<_>>()
+        .into_iter()
+        .map(|file| fs::metadata(here.join(file)).expect("a file").len())
+        .sum();
+    assert!(shipped <= 9000 && shipped > 4000, "{shipped}");
     let report =
         run(here, ["plan", "scene.json", "--bytes", "20000", "--for", "three", "-o", "small"]).exited(1).stdout;
-    assert!(report.contains("20000 bytes are too few: the smallest table has 90112"), "{report}");
+    assert!(report.contains("20000 bytes are too few: the smallest table has 18"), "{report}");
     let recipe = json_of(&fs::read(here.join("small/recipe.json")).expect("a recipe"));
     assert_eq!(recipe["layout"], json!("ltc2017"));
 }
@@ -126,7 +139,7 @@ fn a_plan_with_two_lobes_is_fitted_in_the_layout_of_three() {
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();
     fs::write(here.join("scene.json"), LIST).expect("a list");
-    let plan = ["--json", "plan", "scene.json", "--bytes", "100000", "--fit", "--for", "three", "-o", "ltc"];
+    let plan = ["--json", "plan", "scene.json", "--bytes", "200000", "--fit", "--for", "three", "-o", "ltc"];
     let report = json_of(run(here, plan).exited(0).stdout.as_bytes());
     let table = &report["plan"]["tables"][0];
     assert_eq!(table["recipe"]["layout"], json!("ltc2017"));
@@ -159,13 +172,17 @@ fn limits_of_a_gpu_and_tables_without_terms_are_planned() {
     let here = folder.path();
     fs::write(here.join("scene.json"), LIST).expect("a list");
     fs::write(here.join("steel.json"), STEEL).expect("a list");
-    let two = run(here, ["plan", "scene.json"]).exited(0).stdout;
-    assert!(two.contains("two lobes per entry, blended") && two.contains("rule balanced, 72 registers"), "{two}");
-    let one = run(here, ["plan", "scene.json", "--registers", "64", "--instructions", "800"]).exited(0).stdout;
-    assert!(one.contains("one lobe serves metal and dielectrics"), "{one}");
-    assert!(one.contains("model ltc-formula, the finest within the limits, 48 registers"), "{one}");
+    let two = run(here, ["plan", "scene.json", "--verbose"]).exited(0).stdout;
+    assert!(
+        two.contains("two lobes per entry: use shader --two-lobes") && two.contains("model normals, rule fast, "),
+        "{two}"
+    );
+    let one =
+        run(here, ["plan", "scene.json", "--registers", "64", "--instructions", "800", "--verbose"]).exited(0).stdout;
+    assert!(one.contains("lobes fitted to f0 "), "{one}");
+    assert!(one.contains("model ltc-formula, 48 registers"), "{one}");
     let tight = run(here, ["plan", "steel.json", "--instructions", "500"]).exited(1).stdout;
-    assert!(tight.contains("no model is within the limits; the cheapest, ltc-formula, needs"), "{tight}");
+    assert!(tight.contains("no model without a table is within the GPU limits: ltc-formula needs"), "{tight}");
     let bare = run(here, ["plan", "steel.json", "--no-terms"]).exited(0).stdout;
     assert!(bare.contains("the table has no terms"), "{bare}");
     let none = run(here, ["plan", "steel.json", "--registers", "8"]).exited(1).stdout;

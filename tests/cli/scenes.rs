@@ -54,13 +54,10 @@ fn a_glb_of_textures_coats_and_a_camera_is_fitted_and_measured() {
     assert!(number(&table["measured"]["bytes"]) <= 3000.0, "{}", table["measured"]);
     assert!((0.85..1.15).contains(&number(&table["measured"]["off_by"])), "{}", table["measured"]);
     assert!(number(&table["measured"]["error"]) <= number(&table["whole"]["error"]), "{}", table["whole"]);
-    // The presets of the whole domain differ in effort. The machine's speed comes from one fit.
-    let presets = table["whole"]["presets"].as_array().expect("presets");
-    assert!(presets.is_sorted_by(|a, b| number(&a["error"]) > number(&b["error"])), "{presets:?}");
-    assert_eq!(presets[2]["error"], table["whole"]["error"]);
+    // The machine's speed comes from one fit.
     assert!(number(&table["measured"]["seconds_off_by"]) > 0.0);
     let picture = fs::read_to_string(here.join("ltc/plan.svg")).expect("a picture");
-    assert!(picture.contains("remains with any number of nodes") && picture.contains("whole domain, preset standard"));
+    assert!(picture.contains("remains with any table of these lobes") && picture.contains("whole domain"));
 }
 
 /// The layout of a planned recipe is one that the engine supports, and its table can be exported to the engine.

@@ -6,6 +6,7 @@ mod blend;
 mod fold;
 mod function;
 mod lookup;
+mod resample;
 mod smooth;
 
 use super::{

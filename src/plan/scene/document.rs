@@ -37,6 +37,7 @@ pub(super) struct Document {
     pub(super) images: Vec<Image>,
     pub(super) samplers: Vec<Sampler>,
     pub(super) cameras: Vec<Camera>,
+    pub(super) extensions: Extensions,
 }
 
 impl Document {
@@ -186,6 +187,8 @@ pub(super) struct Material {
     pub(super) double_sided: bool,
     pub(super) alpha_mode: AlphaMode,
     pub(super) alpha_cutoff: Option<f64>,
+    pub(super) emissive_factor: [f64; 3],
+    pub(super) emissive_texture: Option<IgnoredAny>,
     pub(super) extensions: Extensions,
 }
 
@@ -315,6 +318,39 @@ pub(super) struct Specular {
 #[serde(default)]
 pub(super) struct Ior {
     pub(super) ior: Option<f64>,
+}
+
+/// `KHR_materials_emissive_strength`.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Emission {
+    pub(super) emissive_strength: Option<f64>,
+}
+
+/// `EXT_lights_area` of the document, and of a node.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct AreaLights {
+    pub(super) lights: Vec<AreaLight>,
+    pub(super) light: Option<usize>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct AreaLight {
+    pub(super) name: Option<String>,
+    #[serde(rename = "type")]
+    pub(super) kind: String,
+    pub(super) color: Option<[f64; 3]>,
+    pub(super) intensity: Option<f64>,
+    pub(super) size: Option<f64>,
+    pub(super) rect: Rect,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Rect {
+    pub(super) aspect: Option<f64>,
 }
 
 /// `KHR_texture_transform`.

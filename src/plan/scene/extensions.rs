@@ -3,7 +3,8 @@
 use super::{document::Extensions, error::shown};
 
 /// Extensions that a plan reads, that do not affect it, or that a note describes.
-const READ: [&str; 15] = [
+const READ: [&str; 16] = [
+    "EXT_lights_area",
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",

@@ -131,6 +131,11 @@ impl Geometry {
         self.triangles[triangle].map(|corner| V::from(values[corner as usize].map(f64::from)))
     }
 
+    /// The corners of a triangle in the world.
+    pub(super) fn triangle(&self, triangle: usize, world: &DMat4) -> [DVec3; 3] {
+        self.corners::<3, DVec3>(triangle, &self.positions).map(|corner| world.transform_point3(corner))
+    }
+
     /// The edges of a triangle from its first corner, in the world.
     fn edges(&self, triangle: usize, world: &DMat4) -> [DVec3; 2] {
         let [a, b, c] = self.corners::<3, DVec3>(triangle, &self.positions);

@@ -9,6 +9,8 @@ use super::{
     camera::Placed,
     document::{Document, Instancing, Node},
     error::{SceneError, Unread, out_of_range},
+    geometry::Pose,
+    lights::EXT_LIGHTS_AREA,
     textures::extension,
 };
 
@@ -32,6 +34,8 @@ pub(super) struct Graph {
     /// The matrices of the joints of each skin that is used.
     pub(super) skins: BTreeMap<usize, Vec<DMat4>>,
     pub(super) cameras: Vec<Placed>,
+    /// The nodes that have area lights, with their transforms.
+    pub(super) lights: Vec<(usize, DMat4)>,
     pub(super) notes: Vec<String>,
 }
 
@@ -73,6 +77,9 @@ impl Graph {
                 graph.worlds.entry(posed).or_default().extend(all);
             }
             graph.cameras.extend(node.camera.and_then(|camera| Placed::new(&document.cameras[camera], world)));
+            if node.extensions.contains_key(EXT_LIGHTS_AREA) {
+                graph.lights.push((index, world));
+            }
             open.extend(node.children.iter().rev().map(|child| (*child, world)));
         }
         let used: BTreeSet<usize> = graph.worlds.keys().filter_map(|posed| posed.skin).collect();
@@ -80,6 +87,15 @@ impl Graph {
             graph.skins.insert(skin, joints(buffers, document, skin, &placed, &mut graph.notes)?);
         }
         Ok(graph)
+    }
+}
+
+impl Graph {
+    /// The rest pose of a mesh.
+    pub(super) fn pose<'a>(&'a self, document: &'a Document, posed: &Posed) -> Pose<'a> {
+        let joints = posed.skin.and_then(|skin| self.skins.get(&skin)).map_or(&[][..], Vec::as_slice);
+        let weights = posed.node.map_or(&document.meshes[posed.mesh].weights, |node| &document.nodes[node].weights);
+        Pose { weights, joints }
     }
 }
 

@@ -1,13 +1,9 @@
-//! Decodes the channels that a material needs from PNG, JPEG and WebP images. Colour profiles are ignored, as
-//! glTF 2.0 requires.
+//! The channels that a material needs of an image. Colour profiles are ignored, as glTF 2.0 requires.
 
-use std::{error::Error, io::Cursor};
-
-use zune_core::{bytestream::ZCursor, colorspace::ColorSpace, options::DecoderOptions};
-use zune_jpeg::JpegDecoder;
+use std::error::Error;
 
 use super::error::SceneError;
-use ltcforge_files::bounded::complete_jpeg;
+use ltcforge_textures::StoredImage;
 
 /// Maximum number of pixels of one image.
 pub(super) const MOST_PIXELS: u64 = 1 << 26;
@@ -38,125 +34,32 @@ impl Pixels {
     }
 }
 
-/// A decoder's result with its own type of error.
-type Decoded<T> = Result<T, Box<dyn Error>>;
-
-/// An image whose header was read.
-enum Decoder<'a> {
-    Png(Box<png::Decoder<Cursor<&'a [u8]>>>),
-    Jpeg(Box<JpegDecoder<ZCursor<Vec<u8>>>>),
-    Webp(image_webp::WebPDecoder<Cursor<&'a [u8]>>),
-}
-
-impl<'a> Decoder<'a> {
-    /// The decoder of an image, the image's width and height, and the bytes of a channel; `None` for an unsupported
-    /// format.
-    fn new(bytes: &'a [u8]) -> Decoded<Option<(Self, [usize; 2], usize)>> {
-        let mut depth = 1;
-        let (decoder, size) = match bytes {
-            [0x89, b'P', b'N', b'G', ..] => {
-                let mut decoder = png::Decoder::new(Cursor::new(bytes));
-                decoder.set_ignore_text_chunk(true);
-                decoder.set_ignore_iccp_chunk(true);
-                decoder.set_transformations(png::Transformations::EXPAND);
-                let info = decoder.read_header_info()?;
-                let size = [info.width as usize, info.height as usize];
-                depth = if info.bit_depth == png::BitDepth::Sixteen { 2 } else { 1 };
-                (Self::Png(Box::new(decoder)), size)
-            }
-            [0xff, 0xd8, ..] => {
-                let bytes = complete_jpeg(bytes)?;
-                let options = DecoderOptions::default().jpeg_set_out_colorspace(ColorSpace::RGB).set_strict_mode(true);
-                let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
-                decoder.decode_headers()?;
-                let (width, height) = decoder.dimensions().ok_or("it has no size")?;
-                (Self::Jpeg(Box::new(decoder)), [width, height])
-            }
-            [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => {
-                let decoder = image_webp::WebPDecoder::new(Cursor::new(bytes))?;
-                let (width, height) = decoder.dimensions();
-                check_webp(bytes, [width, height])?;
-                (Self::Webp(decoder), [width as usize, height as usize])
-            }
-            _ => return Ok(None),
-        };
-        Ok(Some((decoder, size, depth)))
-    }
-
-    /// The channels of the image and its pixels.
-    fn pixels(self, [width, height]: [usize; 2]) -> Decoded<(usize, Vec<u8>)> {
-        match self {
-            Self::Png(decoder) => {
-                let mut reader = decoder.read_info()?;
-                let mut pixels = vec![0; reader.output_buffer_size().ok_or("its size overflows")?];
-                let frame = reader.next_frame(&mut pixels)?;
-                pixels.truncate(frame.buffer_size());
-                Ok((frame.color_type.samples(), pixels))
-            }
-            Self::Jpeg(mut decoder) => {
-                let pixels = decoder.decode()?;
-                if pixels.len() == 3 * width * height { Ok((3, pixels)) } else { Err("its pixels are not RGB".into()) }
-            }
-            Self::Webp(mut decoder) => {
-                let channels = if decoder.has_alpha() { 4 } else { 3 };
-                let mut pixels = vec![0; channels * width * height];
-                decoder.read_image(&mut pixels)?;
-                Ok((channels, pixels))
-            }
-        }
-    }
-}
-
-/// Checks that each lossy frame has the size of the canvas. The decoder compares the sizes only after it has decoded a
-/// frame.
-fn check_webp(bytes: &[u8], canvas: [u32; 2]) -> Result<(), &'static str> {
-    let mut rest = &bytes[12..];
-    while let Some(([b0, b1, b2, b3, length @ ..], data)) = rest.split_first_chunk::<8>() {
-        match [b0, b1, b2, b3] {
-            [b'A', b'N', b'M', b'F'] => return Err("it is animated"),
-            [b'V', b'P', b'8', b' '] => {
-                let side =
-                    |at: usize| data.get(at..at + 2).map(|side| u32::from(side[0]) | u32::from(side[1] & 63) << 8);
-                if [side(6), side(8)] != canvas.map(Some) {
-                    return Err("its frame and its canvas have different sizes");
-                }
-            }
-            _ => {}
-        }
-        let length = u32::from_le_bytes(*length) as usize;
-        rest = data.get(length + length % 2..).unwrap_or_default();
-    }
-    Ok(())
-}
-
 fn invalid(pointer: &str, error: &dyn Error) -> SceneError {
     SceneError::fault(pointer, format!("the image is invalid: {error}"))
 }
 
-/// The decoder and the size of an image of at most [`MOST_PIXELS`]; `None` for an unsupported format.
-fn open<'a>(pointer: &str, bytes: &'a [u8]) -> Result<Option<(Decoder<'a>, [usize; 2], usize)>, SceneError> {
-    let Some((decoder, size, depth)) = Decoder::new(bytes).map_err(|error| invalid(pointer, &*error))? else {
-        return Ok(None);
-    };
-    let [width, height] = size.map(|length| length as u64);
+/// An image of at most [`MOST_PIXELS`]; `None` for an unsupported format.
+fn open<'a>(pointer: &str, bytes: &'a [u8]) -> Result<Option<StoredImage<'a>>, SceneError> {
+    let image = StoredImage::new(bytes).map_err(|error| invalid(pointer, &*error))?;
+    let [width, height] = image.as_ref().map_or([1; 2], |image| image.size.map(|length| length as u64));
     if width == 0 || height == 0 {
         return Err(SceneError::fault(pointer, format!("an image of {width} x {height} pixels")));
     }
     SceneError::above(format!("{pointer}: pixels of the image"), width.saturating_mul(height), MOST_PIXELS)?;
-    Ok(Some((decoder, size, depth)))
+    Ok(image)
 }
 
 /// The number of pixels that an image's header states, twice that of an image of 16 bits; `None` for an unsupported
 /// format.
 pub(super) fn pixels_of(pointer: &str, bytes: &[u8]) -> Result<Option<u64>, SceneError> {
-    Ok(open(pointer, bytes)?.map(|(_, [width, height], depth)| (width * height * depth) as u64))
+    Ok(open(pointer, bytes)?.map(|StoredImage { size: [width, height], depth, .. }| (width * height * depth) as u64))
 }
 
 /// The `wanted` channels of an image (0 red to 3 alpha). Domain: a format that [`pixels_of`] reads.
 pub(super) fn decode(pointer: &str, bytes: &[u8], wanted: &[usize]) -> Result<Pixels, SceneError> {
-    let (decoder, size, depth) =
-        open(pointer, bytes)?.ok_or_else(|| SceneError::fault(pointer, "not PNG, JPEG or WebP"))?;
-    let (channels, pixels) = decoder.pixels(size).map_err(|error| invalid(pointer, &*error))?;
+    let image = open(pointer, bytes)?.ok_or_else(|| SceneError::fault(pointer, "not PNG, JPEG or WebP"))?;
+    let (size, depth) = (image.size, image.depth);
+    let (channels, pixels) = image.pixels().map_err(|error| invalid(pointer, &*error))?;
     let from = |wanted: usize| match channels {
         1 => (wanted < 3).then_some(0),
         2 => Some(usize::from(wanted == 3)),

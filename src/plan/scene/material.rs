@@ -294,6 +294,6 @@ impl Shaded {
 }
 
 /// Relative luminance of linear colours [Rec. 709].
-fn luminance([r, g, b]: [f64; 3]) -> f64 {
+pub(super) fn luminance([r, g, b]: [f64; 3]) -> f64 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }

@@ -15,6 +15,7 @@ mod gathered;
 mod geometry;
 mod graph;
 mod image;
+mod lights;
 mod list;
 mod material;
 mod model;
@@ -33,17 +34,20 @@ use self::{
 use ltcforge_fit::GoOn;
 
 pub use error::SceneError;
+pub use lights::SceneLight;
+pub(crate) use lights::ScenePoint;
 pub use material::LobeKind;
 pub use model::{Scene, SceneLobe, SceneMaterial};
 
 impl Scene {
-    /// Reads a scene's file, `.glb` or `.gltf`, and the files that it names in its folder. `go_on` may stop it. Runs on
+    /// Reads a scene's file, `.glb` or `.gltf`, and the files that it names in its folder. `lights` replace
+    /// the scene's own lights, unless they are empty. `go_on` may stop it. Runs on
     /// the current rayon pool. The size of the pool does not change the result.
     ///
     /// # Errors
     /// [`SceneError`] if the file is not glTF 2.0, is too large or has no surface, and if `go_on` returns `false`.
-    pub fn open(path: &Path, go_on: &GoOn<'_>) -> Result<Self, SceneError> {
-        Self::of_container(Container::open(path)?, go_on)
+    pub fn open(path: &Path, lights: Vec<SceneLight>, go_on: &GoOn<'_>) -> Result<Self, SceneError> {
+        Self::of_container(Container::open(path)?, lights, go_on)
     }
 
     /// Reads a scene that has all its bytes in one file.
@@ -51,7 +55,7 @@ impl Scene {
     /// # Errors
     /// See [`Scene::open`].
     pub fn from_bytes(bytes: Vec<u8>, go_on: &GoOn<'_>) -> Result<Self, SceneError> {
-        Self::of_container(Container::of_bytes(bytes, None)?, go_on)
+        Self::of_container(Container::of_bytes(bytes, None)?, Vec::new(), go_on)
     }
 
     /// Reads a list of materials: `{"materials": [{"alpha_x": 0.1, "alpha_y": 0.3, "weight": 2}, {"gltf": {...}}]}`.
@@ -62,14 +66,16 @@ impl Scene {
         list::read(json)
     }
 
-    fn of_container(mut container: Container, go_on: &GoOn<'_>) -> Result<Self, SceneError> {
+    fn of_container(mut container: Container, lights: Vec<SceneLight>, go_on: &GoOn<'_>) -> Result<Self, SceneError> {
         let document = Document::parse(&container.json)?;
         check(&document)?;
         let buffers = Buffers::read(&document, &mut container)?;
         let graph = Graph::of(&document, &buffers)?;
         let materials = materials(&document, &graph, &buffers, &mut container, go_on)?;
-        let mut scene = surface::gather(&document, &buffers, &graph, &materials, go_on)?;
-        scene.notes.extend(ignored(&document));
+        let (own, notes) = lights::read(&document, &buffers, &graph)?;
+        let lights = if lights.is_empty() { own } else { lights };
+        let mut scene = surface::gather(&document, &buffers, &graph, &materials, lights, go_on)?;
+        scene.notes.extend(ignored(&document).into_iter().chain(notes));
         scene.notes.extend(graph.notes);
         if let Some(material) = scene.materials.iter().find(|material| !material.area.is_finite()) {
             return Err(SceneError::fault("", format!("the surface of {} is not finite", material.name)));

@@ -1,6 +1,10 @@
 //! The parts of a scene that decide which tables it needs.
 
-use super::{error::SceneError, material::LobeKind};
+use super::{
+    error::SceneError,
+    lights::{SceneLight, ScenePoint},
+    material::LobeKind,
+};
 use crate::histogram::{Spot, Views};
 
 /// A lobe of a material, over all of the surface that has this lobe.
@@ -57,6 +61,10 @@ pub struct Scene {
     pub cameras: usize,
     /// The parts of the scene that the weights ignore.
     pub notes: Vec<String>,
+    /// The area lights; without a light, light comes from everywhere.
+    pub lights: Vec<SceneLight>,
+    /// Points of the surface with their lights; empty without lights, and for a list of materials.
+    pub(crate) points: Vec<ScenePoint>,
 }
 
 impl Scene {

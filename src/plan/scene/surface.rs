@@ -1,7 +1,7 @@
 //! Gathers the lobes of a scene's surface. Without cameras, the weight of an untextured material is the area of its
 //! triangles. Other materials are read at points that are spread evenly over their surface.
 
-use std::{collections::BTreeMap, ops::Range};
+use std::{collections::BTreeMap, f64::consts::TAU, ops::Range};
 
 use glam::{DMat4, DVec3};
 use rayon::prelude::*;
@@ -14,10 +14,15 @@ use super::{
     gathered::Gathered,
     geometry::{Geometry, Pose, box_area},
     graph::Graph,
-    material::Shaded,
+    lights::{SceneLight, ScenePoint},
+    material::{LobeKind, Shaded},
     model::Scene,
 };
-use ltcforge_fit::{GoOn, math::recurrence4};
+use crate::histogram::STEEPEST;
+use ltcforge_fit::{
+    Configuration, GoOn,
+    math::{atan2, recurrence4, sin_cos},
+};
 
 /// Number of points at which materials are read. The error of a histogram is then below 0.1 %.
 const POINTS: f64 = (1 << 20) as f64;
@@ -26,6 +31,10 @@ const FULL_CAMERAS: f64 = 16.0;
 const MOST_CAMERAS: u64 = 256;
 /// Points that a thread reads before it asks the caller whether to continue.
 const POINTS_OF_PART: usize = 1 << 10;
+/// Points that are read under the scene's lights, times the number of lights, and the least and the most points.
+const LIT: f64 = 8192.0;
+const LEAST_LIT: f64 = 256.0;
+const MOST_LIT: f64 = 2048.0;
 /// Minimum number of triangles whose area a thread computes at once.
 const LEAST_AREAS: usize = 1 << 12;
 /// Number of points over the textures of a primitive whose triangles cannot be read.
@@ -56,9 +65,11 @@ pub(super) fn gather(
     buffers: &Buffers<'_>,
     graph: &Graph,
     materials: &[Option<Shaded>],
+    lights: Vec<SceneLight>,
     go_on: &GoOn<'_>,
 ) -> Result<Scene, SceneError> {
     let cameras = graph.cameras.len();
+    let has_frames = cameras > 0 || !lights.is_empty();
     SceneError::above("cameras", cameras as u64, MOST_CAMERAS)?;
     let parts = || {
         graph.worlds.iter().flat_map(|(posed, worlds)| {
@@ -67,16 +78,14 @@ pub(super) fn gather(
             mesh.primitives.iter().enumerate().filter_map(move |(number, primitive)| {
                 let place = format!("/meshes/{index}/primitives/{number}");
                 let slot = primitive.material.unwrap_or(document.materials.len());
-                let joints = posed.skin.and_then(|skin| graph.skins.get(&skin)).map_or(&[][..], Vec::as_slice);
-                let pose =
-                    Pose { weights: posed.node.map_or(&mesh.weights, |node| &document.nodes[node].weights), joints };
-                Some(Part { mesh: index, pose, primitive, place, slot, material: materials[slot].as_ref()?, worlds })
+                let (pose, material) = (graph.pose(document, posed), materials[slot].as_ref()?);
+                Some(Part { mesh: index, pose, primitive, place, slot, material, worlds })
             })
         })
     };
-    let mut scene = Scene { cameras, ..Scene::default() };
-    // The area that is read at points.
-    let (mut sampled, mut corners, mut looks) = (0.0, 0, 0_u64);
+    let mut scene = Scene { cameras, lights, ..Scene::default() };
+    // The area that is read at points, and all area.
+    let (mut sampled, mut total, mut instances_of_all, mut corners, mut looks) = (0.0, 0.0, 0, 0, 0_u64);
     for Part { pose, primitive, place, material, worlds, .. } in parts() {
         SceneError::unless(go_on)?;
         // Elements are counted before they are read.
@@ -93,31 +102,48 @@ pub(super) fn gather(
         SceneError::above("triangles of all instances", looks, MOST_TRIANGLES)?;
         let Ok(geometry) = geometry else { continue };
         scene.triangles += work * instances;
-        if cameras > 0 || material.is_textured() {
-            sampled += worlds.iter().flat_map(|world| areas(&geometry, world)).sum::<f64>();
+        if has_frames || material.is_textured() {
+            let area = worlds.iter().flat_map(|world| areas(&geometry, world)).sum::<f64>();
+            total += area;
+            instances_of_all += worlds.len();
+            if cameras > 0 || material.is_textured() {
+                sampled += area;
+            }
         }
     }
     let points = POINTS * (FULL_CAMERAS / cameras as f64).min(1.0);
     let per_point = if sampled > 0.0 { sampled / points } else { 1.0 };
+    let lit = (LIT / scene.lights.len() as f64).clamp(LEAST_LIT, MOST_LIT);
+    let mut so_far = 0.0;
     let mut gathered: Vec<Gathered> = materials.iter().map(|_| Gathered::default()).collect();
     for Part { mesh, pose, primitive, place, slot, material, worlds } in parts() {
         let mut sets = material.sets();
         let has = |name: &str| primitive.attributes.contains_key(name);
         // Without tangents, the direction of a material is along the first texture coordinate.
-        let needs_uv = cameras > 0 && material.is_anisotropic() && sets.is_empty() && !has("TANGENT");
+        let needs_uv = has_frames && material.is_anisotropic() && sets.is_empty() && !has("TANGENT");
         if needs_uv && has("TEXCOORD_0") {
             sets.push(0);
         }
         let read = if needs_uv && sets.is_empty() && has("POSITION") {
             Err(Unread::Missing("it has no TANGENT, which its anisotropic material needs".to_owned()))
         } else {
-            Geometry::read(buffers, (primitive, &place), &pose, &sets, cameras > 0)
+            Geometry::read(buffers, (primitive, &place), &pose, &sets, has_frames)
         };
         match Unread::split(read)? {
             Ok(geometry) => {
                 for world in worlds {
                     let instance = Instance { material, geometry: &geometry, world, cameras: &graph.cameras };
                     instance.gather(&mut gathered[slot], per_point, go_on)?;
+                    if !scene.lights.is_empty() {
+                        let of = materials[..slot].iter().flatten().count();
+                        let reached = reached(&areas(&geometry, world));
+                        // Half of the points are spread by area, and half evenly over the instances.
+                        let part = reached.last().map_or(0.0, |area| area / total) + 1.0 / instances_of_all as f64;
+                        let expected = 0.5 * lit * part;
+                        let count = (so_far + expected).floor() - so_far.floor();
+                        so_far += expected;
+                        scene.points.extend(instance.lit(of, count as usize, (&reached, expected), &scene.lights));
+                    }
                 }
             }
             Err(why) => {
@@ -148,6 +174,17 @@ pub(super) fn gather(
 fn areas(geometry: &Geometry, world: &DMat4) -> Vec<f64> {
     let all = (0..geometry.len()).into_par_iter().with_min_len(LEAST_AREAS);
     all.map(|triangle| geometry.area(triangle, world)).collect()
+}
+
+/// The total area up to and including each triangle.
+fn reached(areas: &[f64]) -> Vec<f64> {
+    areas.iter().scan(0.0, |sum, area| Some(*sum + area).inspect(|is| *sum = *is)).collect()
+}
+
+/// Evenly distributed weights of a triangle's corners, from two numbers in [0, 1).
+fn weights(u: f64, v: f64) -> [f64; 3] {
+    let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+    [1.0 - u - v, u, v]
 }
 
 /// Gathers a surface whose position is not known.
@@ -187,8 +224,7 @@ impl Instance<'_> {
         // Points are at even steps of the area, one triangle after another: point i at i + 1/2 steps.
         let points = (total / per_point).ceil().max(1.0);
         let (step, count) = (total / points, points as usize);
-        let reached: Vec<f64> =
-            areas.iter().scan(0.0, |sum, area| Some(*sum + area).inspect(|is| *sum = *is)).collect();
+        let reached = reached(&areas);
         let parts = (0..count.div_ceil(POINTS_OF_PART)).into_par_iter().map(|part| {
             SceneError::unless(go_on)?;
             Ok(self.points(part * POINTS_OF_PART..((part + 1) * POINTS_OF_PART).min(count), step, &reached))
@@ -196,6 +232,54 @@ impl Instance<'_> {
         // The order of the sums does not depend on the number of threads.
         parts.collect::<Result<Vec<_>, SceneError>>()?.iter().for_each(|part| gathered.merge(part));
         Ok(())
+    }
+
+    /// `count` points of the instance with their lights, each for an `expected` part of its area.
+    fn lit(
+        &self,
+        material: usize,
+        count: usize,
+        (reached, expected): (&[f64], f64),
+        lights: &[SceneLight],
+    ) -> Vec<ScenePoint> {
+        let (mut found, area) = (Vec::new(), reached.last().copied().unwrap_or(0.0));
+        for number in (0..count).filter(|_| area > 0.0) {
+            let triangle = reached.partition_point(|reached| *reached < (number as f64 + 0.5) / count as f64 * area);
+            let [u, v, w, x] = recurrence4(number, [0.0; 4]);
+            let weights = weights(u, v);
+            let (position, [tangent, _, normal]) = self.geometry.point(triangle, weights, self.world);
+            let seen: Vec<DVec3> = self.cameras.iter().filter_map(|camera| camera.view(position)).collect();
+            let side =
+                if self.material.double_sided && seen.iter().any(|wo| wo.dot(normal) < 0.0) { -1.0 } else { 1.0 };
+            let normal = side * normal;
+            let (part, lobes) = self.material.lobes(&|set| self.geometry.uv(triangle, weights, set));
+            for lobe in lobes.iter().filter(|lobe| lobe.weight > 0.0) {
+                let (sin, cos) = sin_cos(lobe.turn);
+                let along = cos * tangent + sin * side * normal.cross(tangent);
+                let frame = [along, normal.cross(along), normal];
+                let (theta, phi) = if self.cameras.is_empty() {
+                    (w * STEEPEST, x * TAU)
+                } else {
+                    let Some(wo) = seen.get(number % seen.len().max(1)) else { continue };
+                    let [x, y, z] = frame.map(|axis| wo.dot(axis));
+                    (atan2((x * x + y * y).sqrt(), z), atan2(y, x))
+                };
+                if theta > STEEPEST {
+                    continue;
+                }
+                let seen_from = |(i, light): (usize, &SceneLight)| Some((i, light.light.seen_from(position, frame)?));
+                // The formula of a base lobe includes its strength.
+                let strength = if lobe.kind == LobeKind::Base { 1.0 } else { lobe.weight };
+                found.push(ScenePoint {
+                    of: (material, lobe.kind),
+                    weight: area / expected * part * strength,
+                    at: Configuration { alpha_x: lobe.alpha, alpha_y: lobe.alpha * lobe.ratio, theta, phi },
+                    fresnel: lobe.formula,
+                    lights: lights.iter().enumerate().filter_map(seen_from).collect(),
+                });
+            }
+        }
+        found
     }
 
     /// The lobes at some points. `step` is the area of each point, `reached` the total area up to and including each
@@ -212,8 +296,7 @@ impl Instance<'_> {
                 break;
             }
             let [u, v, ..] = recurrence4(number, [0.0; 4]);
-            let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-            let weights = [1.0 - u - v, u, v];
+            let weights = weights(u, v);
             views.clear();
             if !self.cameras.is_empty() {
                 let (position, frame) = self.geometry.point(triangle, weights, self.world);

@@ -68,7 +68,8 @@ pub(super) async fn plan(
 ) -> Result<Json<PlanView>, Problem> {
     let budget = parameters.budget()?;
     let PlanParameters { any_nodes, no_terms, registers, instructions, .. } = parameters;
-    let form = Form { layout: None, any_nodes, no_terms, ship: false, gpu: GpuLimit { registers, instructions } };
+    let gpu = GpuLimit { registers, instructions };
+    let form = Form { any_nodes, no_terms, gpu, ..Form::default() };
     let (sent, limit_bytes) = if check_type(request.headers(), GLB).is_ok() {
         (SceneForm::Glb, SCENE_LIMIT_BYTES)
     } else {

@@ -67,7 +67,7 @@ impl Service {
             let plan = self.state.pool.install(|| TablePlan::new(needs, budget, form, &go_on));
             plans.push(plan.map_err(|_| ServiceError::Stopping)?);
         }
-        let summary = words(&scene, &plans);
+        let summary = words(&scene, &plans, false);
         match plans.iter().find(|plan| !plan.is_met) {
             Some(unmet) => Err(PlanError::Unmet(recipe_value(&unmet.chosen.recipe), summary.join("; "))),
             None => Ok(Planned { plan: document(&scene, &plans), summary }),

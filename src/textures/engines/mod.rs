@@ -11,13 +11,14 @@ mod hdrp;
 mod o3de;
 mod playcanvas;
 mod rules;
+mod stock;
 mod three;
 mod wgpu;
 
 use self::rules::Source;
 pub(super) use self::rules::file;
 use super::{about::About, bundle::Bundle, file::TextureFileError, texture::Texture};
-use ltcforge_fit::{BrdfKind, named_list};
+use ltcforge_fit::{BrdfKind, Table, named_list};
 
 named_list! {
     /// A renderer that has area lights by LTC tables, or can use our shader.
@@ -63,6 +64,12 @@ impl Engine {
         const HDRP: [BrdfKind; 4] =
             [BrdfKind::Ggx, BrdfKind::BurleyDiffuse, BrdfKind::Charlie, BrdfKind::CharlieNeubelt];
         if self == Self::Hdrp { &HDRP } else { &HDRP[..1] }
+    }
+
+    /// The table that the engine ships for GGX; `None` for your own renderer.
+    #[must_use]
+    pub fn stock(self) -> Option<Table> {
+        self.layout().and_then(|_| stock::published())
     }
 
     /// The files that this engine loads, and their manifest. `textures` must have the engine's layout, for a table of
