@@ -23,9 +23,10 @@ use ltcforge_fit::{BrdfKind, GoOn, Layout, Recipe, Table};
 use ltcforge_light::LightShape;
 use ltcforge_plan::{
     Budget, Figure, Form, GpuLimit, Needs, Scene, SceneError, SceneLight, TablePlan, check as figures_of, document,
-    left_out, of_other_models, picture, words,
+    left_out, of_other_models, words,
 };
 use ltcforge_textures::{About, CompactContainer, Engine, Export, TextureLayout};
+use ltcforge_view::plan::plan_picture;
 
 /// `plan`.
 #[derive(Debug, Args)]
@@ -174,7 +175,7 @@ pub(super) fn run(args: &PlanArgs, context: &mut Context<'_>) -> Result<Exit, Co
     let plans: Vec<TablePlan<'_>> = plans.into_iter().map(|(_, plan)| plan).collect();
     let plan_json = document(&scene, &plans);
     write("plan.json", format!("{plan_json:#}\n").as_bytes())?;
-    write("plan.svg", picture(&plans).as_bytes())?;
+    write("plan.svg", plan_picture(&plan_json).as_bytes())?;
     let mut digests = Vec::new();
     for (table, plan) in tables.iter().zip(&plans) {
         digests.push(pool.install(|| write_table(args, &plan.chosen.recipe, table, &mut files))?);

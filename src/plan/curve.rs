@@ -59,7 +59,7 @@ impl Curve {
                     return Err(Stopped);
                 }
                 let squared = squared_steps(*layout, range, &resolution.with(axis, fewer))[axis];
-                let even = coarser(table, base, axis, fewer);
+                let even = table.coarser(base, axis, fewer);
                 let placed = (any_nodes && axis < 2 && fewer > 2).then(|| {
                     let values = needs.spots().map(|(spot, _)| ([spot.alpha, spot.ratio][axis], spot.weight));
                     let nodes = by_weight(*layout, range, axis, values, fewer);
@@ -102,12 +102,6 @@ impl Curve {
         self.given.iter_mut().flatten().filter_map(|placed| placed.added.as_mut()).for_each(|error| *error *= factor);
         self
     }
-}
-
-/// The table of a recipe with `count` evenly spaced nodes on one axis. Domain: see [`Table::resampled`].
-pub(crate) fn coarser(table: &Table, recipe: &Recipe, axis: usize, count: u32) -> Table {
-    let nodes = recipe.layout.nodes(&recipe.range, &recipe.resolution.with(axis, count));
-    table.resampled(axis, nodes.named()[axis].1.clone())
 }
 
 /// The squared step of each axis.

@@ -1,7 +1,7 @@
 //! Restrictions on the tables that a plan may choose, apart from the budget.
 
-use crate::without::GpuLimit;
 use ltcforge_fit::Layout;
+use ltcforge_shaders::GpuLimit;
 use ltcforge_textures::Engine;
 
 /// The form of a plan's tables.

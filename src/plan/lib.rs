@@ -16,13 +16,11 @@ mod hostile;
 mod lit;
 mod lobes;
 mod needs;
-mod picture;
 mod placement;
 mod plan;
 mod prediction;
 mod probes;
 mod scene;
-mod shipped;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
@@ -36,10 +34,9 @@ pub use figures::{Figure, check, of_other_models};
 pub use form::Form;
 pub use histogram::{Spot, Views};
 pub use ltcforge_files::recipe_document::Fault as SceneFault;
+pub use ltcforge_shaders::GpuLimit;
 pub use needs::Needs;
-pub use picture::picture;
 pub use plan::{Fitted, TablePlan, Whole};
 pub use probes::Stopped;
 pub use scene::{LobeKind, Scene, SceneError, SceneLight, SceneLobe, SceneMaterial};
-pub use without::GpuLimit;
 pub use words::{left_out, words};

@@ -1,17 +1,18 @@
 //! Scenes under their own lights: predicted errors of light, compared with the measured errors of fitted tables.
 
-use std::ops::ControlFlow;
-
 use serde_json::{Value, json};
 
 use crate::{
     Budget, Form, Needs, Scene, TablePlan,
-    figures::lighting,
     scene::tests::glb::{Glb, checker},
+    tests::{WHOLE, fitted},
 };
-use ltcforge_fit::{Plan, fit_plan};
+use ltcforge_fit::{Recipe, Table};
 
+/// Half of the default table's bytes.
 const BYTES: u64 = 83_160;
+/// Halves may be off by this factor.
+const ROUNDED: f64 = 1.002;
 
 fn glossy(roughness: f64, metallic: f64) -> Value {
     json!({ "pbrMetallicRoughness": {
@@ -112,22 +113,29 @@ fn scenes() -> Vec<(&'static str, Glb)> {
 #[test]
 #[ignore = "make test-all runs it"]
 fn errors_under_own_lights_are_as_predicted_and_not_above_the_default_table_s() {
-    let mut wrong = Vec::new();
+    let (mut wrong, mut tables) = (Vec::new(), Vec::<(Recipe, Table)>::new());
     for (name, glb) in scenes() {
         let scene = Scene::from_bytes(glb.bytes(), &|| true).expect("a scene");
         let needs = Needs::of(&scene, false).expect("lobes");
         let mut plan =
             TablePlan::new(needs, Budget::Bytes(BYTES), Form::default(), &|| true).expect("nothing stops it");
-        let predicted = plan.chosen.error;
-        let table =
-            fit_plan(&Plan::new(&plan.chosen.recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it");
-        let measured = plan.probes.mean(&plan.probes.light_errors(lighting(&table)).expect("terms"));
-        plan.measure(&table, None, None);
-        let whole = plan.whole.predicted.expect("the default table is kept");
+        while !plan.is_measured() {
+            let recipe = plan.chosen.recipe.clone();
+            if tables.iter().all(|(fitted, _)| *fitted != recipe) {
+                tables.push((recipe.clone(), fitted(&recipe)));
+            }
+            plan.measure(
+                &tables.iter().find(|(fitted, _)| *fitted == recipe).expect("it was fitted").1,
+                Some(&*WHOLE),
+                None,
+            );
+        }
+        let (predicted, measured) = (plan.fitted[0].candidate.error, plan.fitted[0].error);
+        let (last, whole) = (plan.measured().expect("the last").error, plan.whole.error.expect("it was measured"));
         let (off_by, bytes) = (measured / predicted, plan.chosen.bytes);
-        let line = format!("{name}: {measured:.5}, off by {off_by:.3}, {bytes} bytes; default {whole:.5}");
+        let line = format!("{name}: {last:.6}, off by {off_by:.3}, {bytes} bytes; default {whole:.6}");
         println!("{line} {} points, {:?}, {:?}", scene.points.len(), plan.worst_light, plan.light_errors());
-        if !(0.85..1.15).contains(&off_by) || measured > whole || bytes > BYTES {
+        if !(0.85..1.15).contains(&off_by) || last > ROUNDED * whole || bytes > BYTES {
             wrong.push(line);
         }
     }

@@ -36,37 +36,51 @@ pub(crate) struct Lobes {
 }
 
 /// The choices of lobes for tables like `base`, best first: two lobes per entry if they are allowed and better, then
-/// the single lobes. Runs on the current rayon pool. The size of the pool does not change the result.
+/// the single lobes. `stock` are the errors of the light with an engine's own table. A lobe that is farther from metal
+/// or from dielectrics than this table comes last. Runs on the current rayon pool. The size of the pool does not change the result.
 ///
 /// # Errors
 /// [`Stopped`] if `go_on` returns `false`.
 pub(crate) fn lobes(
     needs: &Needs<'_>,
     may_be_two: bool,
-    probes: &Probes,
+    (probes, stock): (&Probes, Option<&[f64]>),
     base: &Recipe,
     go_on: &GoOn<'_>,
 ) -> Result<Vec<Lobes>, Stopped> {
     let parts = needs.reflectances();
-    let [rest, metal] = parts[..] else {
-        return Ok(vec![Lobes { fresnel: LobeFresnel::mix(parts).unwrap_or_default(), error: 0.0 }]);
-    };
-    let mixed = |counts: f64| {
+    let mixed = |rest: WeightedF0, metal: WeightedF0, counts: f64| {
         let most = metal.weight.max(rest.weight * counts);
         let weight = |weight: f64| (weight / most * DIGITS).ceil() / DIGITS;
         let rest = WeightedF0 { weight: weight(rest.weight * counts), ..rest };
         vec![rest, WeightedF0 { weight: weight(metal.weight), ..metal }]
     };
-    let single = COUNTS.map(mixed).into_iter().chain([vec![rest], vec![metal]]).filter_map(LobeFresnel::mix);
+    let single = match parts[..] {
+        [rest, metal] => {
+            let mixes = COUNTS.map(|counts| mixed(rest, metal, counts));
+            mixes.into_iter().chain([vec![rest], vec![metal]]).collect()
+        }
+        _ => vec![parts.clone()],
+    };
+    let mut single: Vec<LobeFresnel> = single.into_iter().filter_map(LobeFresnel::mix).collect();
+    // The lobe of a perfect mirror is that of engines. It may be nearer under some lights.
+    if single.is_empty() || stock.is_some() || probes.are_lit() {
+        single.push(LobeFresnel::default());
+    }
+    if let [only] = &single[..] {
+        return Ok(vec![Lobes { fresnel: only.clone(), error: 0.0 }]);
+    }
     let measured = |fresnel: LobeFresnel| {
         let lobe = |place: &Place| fitted_at(place, &fresnel, base, go_on);
         let found = probes.places.par_iter().take(TRIED).map(lobe).collect::<Result<Vec<_>, Stopped>>()?;
-        Ok(Lobes { error: probes.error_of(&found), fresnel })
+        let farther = stock.map_or(1.0, |stock| probes.farther(&found, stock));
+        Ok((farther, Lobes { error: probes.error_of(&found), fresnel }))
     };
-    let mut found = single.map(measured).collect::<Result<Vec<_>, Stopped>>()?;
-    found.sort_by(|a, b| a.error.total_cmp(&b.error));
-    if may_be_two {
-        let two = measured(LobeFresnel::Two(SecondLobe::Blended))?;
+    let mut found = single.into_iter().map(measured).collect::<Result<Vec<_>, Stopped>>()?;
+    found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.error.total_cmp(&b.1.error)));
+    let mut found: Vec<Lobes> = found.into_iter().map(|(_, lobes)| lobes).collect();
+    if may_be_two && parts.len() == 2 {
+        let (_, two) = measured(LobeFresnel::Two(SecondLobe::Blended))?;
         if two.error < found[0].error {
             found.insert(0, two);
         }
@@ -109,7 +123,7 @@ mod tests {
         let scene = Scene::from_list(list.as_bytes()).expect("a scene");
         let needs = Needs::of(&scene, false).expect("lobes");
         let base = parse(br#"{"preset": "draft"}"#, DEFAULT_ENTRY_LIMIT).expect("a recipe");
-        lobes(&needs, may_be_two, &Probes::new(&needs, POINTS), &base, &|| true).expect("nothing stops it")
+        lobes(&needs, may_be_two, (&Probes::new(&needs, POINTS), None), &base, &|| true).expect("nothing stops it")
     }
 
     fn list(plastic: u32, metal: u32) -> String {

@@ -9,7 +9,6 @@ use crate::{
     needs::Needs,
     prediction::{Nodes, Prediction, nodes_within},
     probes::{POINTS, Probes, Stopped},
-    shipped::shipped,
     without::{Shading, text_cost_of},
 };
 use ltcforge_files::{compact, recipe_document::Preset};
@@ -114,14 +113,14 @@ impl<'a> TablePlan<'a> {
         let default = Layout::ALL.iter().copied().find(|layout| layout.takes(&needs.brdf.into()));
         let layout = form.layout.or(default).unwrap_or(Layout::ALL[0]);
         let probes = Probes::new(&needs, POINTS);
-        let prediction = Prediction::new((&needs, &probes), layout, form, go_on)?;
-        let mut whole = whole(&prediction.base);
         let kept = compact::decode(WHOLE).ok().filter(|_| needs.brdf == BrdfKind::Ggx);
-        if layout == Layout::ALL[0] {
-            whole.predicted = kept.as_ref().map(|table| probes.error(table));
-        }
-        let stock = form.engine.and_then(Engine::stock).or(kept);
-        let stock = stock.and_then(|table| probes.light_errors(lighting(&table)));
+        let predicted = kept.as_ref().filter(|_| layout == Layout::ALL[0]).map(|table| probes.error(table));
+        let own = form.engine.and_then(Engine::stock);
+        let is_own = own.is_some();
+        let stock = own.or(kept).and_then(|table| probes.light_errors(lighting(&table)));
+        let of_engine = stock.as_deref().filter(|_| is_own);
+        let prediction = Prediction::new((&needs, &probes, of_engine), layout, form, go_on)?;
+        let whole = Whole { predicted, ..whole(&prediction.base) };
         let chosen = Candidate::of(&prediction, Nodes::even(0, prediction.base.resolution), prediction.base.fit);
         let shading = Shading::new(&needs, &probes, form.gpu);
         let (probes, candidates, fitted, figures) = (Arc::new(probes), Vec::new(), Vec::new(), Vec::new());
@@ -147,6 +146,8 @@ impl<'a> TablePlan<'a> {
 
     fn choose(mut self) -> Self {
         self.candidates = candidates(&self.prediction);
+        let whole = self.of_whole();
+        self.candidates.extend(whole);
         let gpu = self.form.gpu;
         let is_readable = |candidate: &Candidate| gpu.allows(text_cost_of(&candidate.recipe));
         let is_any_readable = self.candidates.iter().any(is_readable);
@@ -156,7 +157,9 @@ impl<'a> TablePlan<'a> {
         let choice = choose(&self.candidates, self.budget);
         self.is_met = choice.is_ok() && is_any_readable;
         self.chosen = choice.unwrap_or_else(|nearest| nearest).clone();
-        let read = self.prediction.read(&self.chosen.recipe);
+        let is_whole = self.chosen.recipe.range != self.prediction.base.range;
+        let kept = compact::decode(WHOLE).ok().filter(|_| is_whole);
+        let read = kept.unwrap_or_else(|| self.prediction.read(&self.chosen.recipe));
         self.show(&read);
         self
     }
@@ -201,15 +204,15 @@ impl<'a> TablePlan<'a> {
     /// the fit. The measured error or bytes decide whether the budget is met.
     ///
     /// The first time, the choice is made again with corrected predictions if the prediction was off by more than a
-    /// fifth or the table misses the budget. Otherwise, if the table of the whole domain is better, and a table with
-    /// the same number of nodes over the scene's ranges is within a budget of bytes, this table becomes the choice. A
+    /// fifth or the table misses the budget. Otherwise, if the table of the whole domain is better, and its halves are
+    /// within a budget of bytes, it becomes the choice. A
     /// choice whose compact form is too long is corrected several times. If the choice changes, the plan is not
     /// [measured](TablePlan::is_measured): fit the new choice too.
     pub fn measure(&mut self, table: &Table, whole: Option<&Table>, seconds: Option<f64>) {
         // A table to ship is measured after decoding.
         let (decoded, shipped) = match self.form.engine {
             Some(engine) => (None, engine.bytes(table, &self.chosen.recipe)),
-            None => self.chosen.shipped.and_then(|_| shipped(table)).unzip(),
+            None => self.chosen.shipped.and_then(|_| compact::encoded_and_decoded(table)).unzip(),
         };
         let error = self.probes.error(decoded.as_ref().unwrap_or(table));
         if let Some(whole) = whole {
@@ -239,11 +242,10 @@ impl<'a> TablePlan<'a> {
             let again = Self { prediction, ..self.clone() }.choose();
             let is_met = if again.chosen.recipe == self.chosen.recipe { self.is_met } else { again.is_met };
             *self = Self { is_met, ..again };
-        } else if is_first && self.whole.error.is_some_and(|whole| whole < error) {
-            let nodes = self.of_default_nodes();
-            if matches!(self.budget, Budget::Bytes(most) if nodes.spent() <= most) {
-                self.chosen = nodes;
-            }
+        } else if let Some(whole) = self.of_whole().filter(|whole| is_first && whole.error < error)
+            && matches!(self.budget, Budget::Bytes(most) if whole.spent() <= most)
+        {
+            self.chosen = whole;
         }
         if self.is_measured() {
             self.show(table);
@@ -262,13 +264,12 @@ impl<'a> TablePlan<'a> {
         [0, 1, 2].map(mean)
     }
 
-    /// The candidate with the default table's numbers of nodes over the scene's ranges, in halves.
-    fn of_default_nodes(&self) -> Candidate {
-        let base = &self.prediction.base;
-        let resolution = nodes_within(&base.range, base.layout.default_resolution());
-        let fresnel = self.chosen.recipe.brdf.fresnel();
-        let lobes = self.prediction.curves.iter().position(|curve| curve.fresnel == *fresnel).unwrap_or(0);
-        Candidate::of(&self.prediction, Nodes::even(lobes, resolution), Preset::Paper.fit())
+    /// The default table of the whole domain in halves, as a candidate whose error is known.
+    fn of_whole(&self) -> Option<Candidate> {
+        let error = self.whole.known_error().filter(|_| !self.form.ship && !self.form.no_terms)?;
+        let recipe = Recipe { precision: Precision::F16, ..self.whole.recipe.clone() };
+        let (bytes, seconds) = (recipe.bytes(), fit_seconds(&recipe));
+        Some(Candidate { shipped: self.prediction.shipped(&recipe), recipe, error, bytes, limit: error, seconds })
     }
 
     /// The candidates with the effort and lobes of the choice: the front of error against bytes.

@@ -18,14 +18,16 @@ use crate::{
     needs::Needs,
     placement::Placed,
     probes::{Probes, Stopped},
-    shipped::{ShippedBytes, has_form},
-    without::text_cost,
 };
-use ltcforge_files::recipe_document::Preset;
+use ltcforge_files::{
+    compact::{self, CompactBytes},
+    recipe_document::Preset,
+};
 use ltcforge_fit::{
     FITTER_VERSION, GivenNodes, GoOn, Layout, LobeFresnel, LobeModel, PerAxis, Precision, Recipe, StoredTerms, Table,
     expectation,
 };
+use ltcforge_shaders::GpuCost;
 use ltcforge_textures::Engine;
 
 /// Nodes of the coarse table if all lobes are isotropic, and if some are not.
@@ -49,7 +51,7 @@ pub(crate) struct Prediction {
     /// The engine whose files the budget counts.
     engine: Option<Engine>,
     /// The bytes of compact forms, if the budget counts them.
-    compact: Option<ShippedBytes>,
+    compact: Option<CompactBytes>,
     /// A factor on the bytes that are shipped.
     of_bytes: f64,
     /// The scene's pairs of alpha and ratio; empty if a table cannot have them as materials.
@@ -94,7 +96,7 @@ impl Prediction {
     /// # Errors
     /// [`Stopped`] if `go_on` returns `false`.
     pub(crate) fn new(
-        (needs, probes): (&Needs<'_>, &Probes),
+        (needs, probes, stock): (&Needs<'_>, &Probes, Option<&[f64]>),
         layout: Layout,
         form: Form,
         go_on: &GoOn<'_>,
@@ -115,20 +117,20 @@ impl Prediction {
             given: GivenNodes::default(),
         };
         // Engines cannot read a second lobe, and a blend needs terms.
-        let may_be_two = only.is_none() && base.terms.any() && form.gpu.allows(text_cost(layout, true));
-        let lobes = lobes(needs, may_be_two, probes, &base, go_on)?;
+        let may_be_two = only.is_none() && base.terms.any() && form.gpu.allows(GpuCost::of_layout(layout.name(), true));
+        let lobes = lobes(needs, may_be_two, (probes, stock), &base, go_on)?;
         base.brdf = base.brdf.with_fresnel(lobes[0].fresnel.clone());
         let table = fitted(&base, go_on)?;
         // A table may also have the best single lobe instead of two.
         let choices = if lobes[0].fresnel.second().is_some() { 2 } else { 1 };
         let choices = lobes[..choices].iter().map(|choice| choice.fresnel.clone());
         // Compact forms need the evenly spaced nodes of a layout.
-        let is_even = form.ship && has_form(layout);
+        let is_even = form.ship && compact::LAYOUTS.contains(&layout);
         let curves = Curve::read((&table, &base), choices, (needs, probes), form.any_nodes && !is_even, go_on)?;
         // Tables of materials have at least two theta nodes.
         let may_be_materials = layout == Layout::Reflected && base.range.theta[0] < base.range.theta[1] && !is_even;
         let materials = if may_be_materials { needs.pairs() } else { Vec::new() };
-        let compact = if form.ship { ShippedBytes::of(&table, &base) } else { None };
+        let compact = if form.ship { CompactBytes::of(&table, &base) } else { None };
         let scale = if probes.are_lit() { curves[0].of_base / expectation(&base).error } else { 1.0 };
         Ok(Self { base, lobes, curves, table, scale, engine: form.engine, compact, of_bytes: 1.0, materials })
     }

@@ -3,6 +3,7 @@
 use std::{collections::BTreeMap, sync::OnceLock};
 
 use crate::{
+    histogram::LEAST_METAL,
     needs::{Needs, Place},
     scene::SceneLight,
 };
@@ -98,6 +99,18 @@ impl Probes {
     pub(crate) fn error_of(&self, lobes: &[LookedUp]) -> f64 {
         let blended = self.places.iter().zip(lobes).map(|(place, lobe)| lobe.blended_for(place.f0()));
         self.mean(&self.errors_of(LobeModel::Ltc, &blended.collect::<Vec<_>>(), Closeness::Report))
+    }
+
+    /// How many times the light of lobes is farther than `stock` from dielectrics or from metal, at least 1. Each lobe
+    /// is fitted for one of the first places.
+    pub(crate) fn farther(&self, lobes: &[LookedUp], stock: &[f64]) -> f64 {
+        let errors =
+            self.lit().and_then(|lit| lit.errors_of(lobes).ok()).map_or(vec![f64::INFINITY; lobes.len()], sums);
+        let ratio = |is_metal: bool| {
+            let mean = |errors: &[f64]| self.mean_where(errors, |place| (place.f0() >= LEAST_METAL) == is_metal);
+            mean(&errors) / mean(&stock[..errors.len()]).max(f64::MIN_POSITIVE)
+        };
+        ratio(false).max(ratio(true)).max(1.0)
     }
 
     fn errors_of(&self, model: LobeModel, found: &[LookedUp], closeness: Closeness) -> Vec<f64> {

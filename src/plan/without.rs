@@ -5,41 +5,16 @@ use std::cmp::Ordering;
 use serde::Serialize;
 
 use crate::{needs::Needs, probes::Probes};
-use ltcforge_fit::{BrdfKind, Layout, Recipe};
+use ltcforge_fit::{BrdfKind, Recipe};
 use ltcforge_light::{LightModel, Lighting, normals::NormalsRule};
-use ltcforge_shaders::GpuCost;
+use ltcforge_shaders::{GpuCost, GpuLimit};
 
 /// The closed form serves a scene better than a table if its error is below this part of the table's.
 pub(crate) const FAR_NEARER: f64 = 0.7;
 
-/// Limits of the GPU cost of a shader, see [`GpuCost`].
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
-pub struct GpuLimit {
-    /// Maximum number of vector registers.
-    pub registers: Option<u32>,
-    /// Maximum number of instructions.
-    pub instructions: Option<u32>,
-}
-
-impl GpuLimit {
-    /// Whether a cost is within the limits. An unknown cost exceeds every limit.
-    pub(crate) fn allows(self, cost: Option<GpuCost>) -> bool {
-        let within = |limit: Option<u32>, count: fn(GpuCost) -> u32| {
-            limit.is_none_or(|most| cost.is_some_and(|cost| count(cost) <= most))
-        };
-        within(self.registers, |cost| cost.registers) && within(self.instructions, |cost| cost.instructions)
-    }
-}
-
-/// The cost of the shader that reads tables of a layout, with one or two lobes per entry.
-pub(crate) fn text_cost(layout: Layout, is_two: bool) -> Option<GpuCost> {
-    let blended = if is_two { ", blended" } else { "" };
-    GpuCost::of(&format!("ltc {layout}{blended}"))
-}
-
 /// The cost of the shader that reads a recipe's table.
 pub(crate) fn text_cost_of(recipe: &Recipe) -> Option<GpuCost> {
-    text_cost(recipe.layout, recipe.brdf.fresnel().second().is_some())
+    GpuCost::of_layout(recipe.layout.name(), recipe.brdf.fresnel().second().is_some())
 }
 
 /// A model without a table.

@@ -24,10 +24,13 @@ const NODES_HELP: f64 = 0.2;
 /// adds nodes, samples and registers.
 #[must_use]
 pub fn words(scene: &Scene, plans: &[TablePlan<'_>], is_verbose: bool) -> Vec<String> {
-    let views = match scene.cameras {
+    let mut views = match scene.cameras {
         0 => "every view".to_owned(),
         n => format!("the views of {}", plural(n, "camera")),
     };
+    if !scene.lights.is_empty() {
+        views += &format!(", {}", plural(scene.lights.len(), "light"));
+    }
     let mut lines = Vec::new();
     for plan in plans {
         let prefix = if plan.needs.brdf == BrdfKind::Ggx { "" } else { "Sheen: " };
@@ -76,11 +79,12 @@ fn advice(scene: &Scene, plan: &TablePlan<'_>) -> String {
     let part = |figure: &&Figure| figure.share * figure.light[0].unwrap_or(0.0);
     let worst = plan.figures.iter().max_by(|a, b| part(a).total_cmp(&part(b)));
     let worst = worst.map_or_else(String::new, |worst| {
-        format!("; its worst material is {} ({:.0} % of the surface)", name(scene, worst), 100.0 * worst.share)
+        let light = plan.worst_light.map_or_else(String::new, |(light, _)| format!(", its worst light {light}"));
+        format!("; its worst material is {} ({:.0} % of the surface){light}", name(scene, worst), 100.0 * worst.share)
     });
     let against = match other {
         Some(other) => format!("{} {}{worst}", compared(table, other), stock(plan)),
-        None => format!("off by {table:.4} of the light{worst}"),
+        None => format!("off by {table:.5} of the light{worst}"),
     };
     match plan.shading.without().zip(form) {
         Some((without, error)) if error <= FAR_NEARER * table => format!(
@@ -100,12 +104,12 @@ fn engine_lines(scene: &Scene, plan: &TablePlan<'_>) -> Vec<String> {
         plan.shading.without().map_or("no closed form".to_owned(), |form| format!("closed form, {}", form.in_words()));
     let names = [stock(plan), "this table".to_owned(), form];
     let [table, other, form] = plan.light_errors();
-    let line = |(name, error): (String, Option<f64>)| Some(format!("  {name}: error {:.4}", error?));
+    let line = |(name, error): (String, Option<f64>)| Some(format!("  {name}: error {:.5}", error?));
     let mut lines: Vec<String> = names.into_iter().zip([other, table, form]).filter_map(line).collect();
     let worse = |figure: &Figure| {
         let [table, other, _] = figure.light;
         let (table, other) = table.zip(other).filter(|(table, other)| *table > WORSE * other)?;
-        Some(format!("{} ({table:.4} against {other:.4})", name(scene, figure)))
+        Some(format!("{} ({table:.5} against {other:.5})", name(scene, figure)))
     };
     let worse: Vec<String> = plan.figures.iter().filter_map(worse).take(MOST_LINES).collect();
     if !worse.is_empty() && plan.engine_table().is_some() {
@@ -133,39 +137,39 @@ fn material_line(scene: &Scene, plan: &TablePlan<'_>, figure: &Figure) -> String
     let nodes = plan.chosen.error - plan.chosen.limit;
     let help = match (plan.shading.without(), form) {
         (Some(without), Some(form)) if form <= FAR_NEARER * error => {
-            format!("closed form ({}): {form:.4}", without.in_words())
+            format!("closed form ({}): {form:.5}", without.in_words())
         }
         _ if nodes > NODES_HELP * plan.chosen.error => "more bytes help".to_owned(),
         _ => "as near as these lobes can be".to_owned(),
     };
     let (name, share) = (name(scene, figure), 100.0 * figure.share);
-    format!("  {name}: roughness {roughness}, {share:.0} % of the surface, error {error:.4}; {help}")
+    format!("  {name}: roughness {roughness}, {share:.0} % of the surface, error {error:.5}; {help}")
 }
 
 /// The parts of a scene's light that no table covers, grouped, and notes about parts of the scene that were not read.
 #[must_use]
 pub fn left_out(scene: &Scene) -> Vec<String> {
-    let mut groups: BTreeMap<String, Vec<&str>> = BTreeMap::new();
+    let mut groups: BTreeMap<(bool, String), Vec<&str>> = BTreeMap::new();
     for material in &scene.materials {
         for what in &material.uncovered {
-            groups.entry(format!("not covered: {what}")).or_default().push(&material.name);
+            groups.entry((false, what.clone())).or_default().push(&material.name);
         }
         if material.lobes.is_empty() && material.uncovered.is_empty() {
-            groups.entry("not covered: materials without a visible part".to_owned()).or_default().push(&material.name);
+            groups.entry((false, "no part of it is visible".to_owned())).or_default().push(&material.name);
         }
     }
     for note in &scene.notes {
         // Notes that start with different names but say the same are one note.
         let (of, what) = note.split_once(": ").unwrap_or(("", note));
-        groups.entry(format!("note: {what}")).or_default().push(of);
+        groups.entry((true, what.to_owned())).or_default().push(of);
     }
-    let line = |(what, names): (String, Vec<&str>)| match names[..] {
-        [""] => what,
-        [name] => match what.strip_prefix("note: ") {
-            Some(what) => format!("note: {name}: {what}"),
-            None => format!("{what} ({name})"),
-        },
-        _ => format!("{what} ({} and {} more)", names[0], names.len() - 1),
+    let line = |((is_note, what), names): ((bool, String), Vec<&str>)| match (is_note, &names[..]) {
+        (false, [name]) => format!("not covered on {name}: {what}"),
+        (false, _) => format!("not covered on {} materials: {what}", names.len()),
+        (true, [""]) => format!("note: {what}"),
+        (true, [name]) => format!("note: {name}: {what}"),
+        (true, [name, ..]) => format!("note: {name} and {} more: {what}", names.len() - 1),
+        (true, []) => what,
     };
     groups.into_iter().map(line).collect()
 }

@@ -12,6 +12,26 @@ pub struct GpuCost {
     pub inverse_throughput: u32,
 }
 
+/// Limits of the GPU cost of a shader, see [`GpuCost`].
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
+pub struct GpuLimit {
+    /// Maximum number of vector registers.
+    pub registers: Option<u32>,
+    /// Maximum number of instructions.
+    pub instructions: Option<u32>,
+}
+
+impl GpuLimit {
+    /// Whether a cost is within the limits. An unknown cost exceeds every limit.
+    #[must_use]
+    pub fn allows(self, cost: Option<GpuCost>) -> bool {
+        let within = |limit: Option<u32>, count: fn(GpuCost) -> u32| {
+            limit.is_none_or(|most| cost.is_some_and(|cost| count(cost) <= most))
+        };
+        within(self.registers, |cost| cost.registers) && within(self.instructions, |cost| cost.instructions)
+    }
+}
+
 /// The compiler, as named by the driver: Mesa's for RDNA 2. It runs without such a GPU.
 pub const COMPILER: &str = "Null hardware (RADV NAVI21), Mesa 22.3.6";
 
@@ -88,6 +108,12 @@ const COSTS: &[(&str, [u32; 3])] = &[
 ];
 
 impl GpuCost {
+    /// The cost of the shader that reads tables of a layout, with one or two lobes per entry.
+    #[must_use]
+    pub fn of_layout(layout: &str, is_two: bool) -> Option<Self> {
+        Self::of(&format!("ltc {layout}{}", if is_two { ", blended" } else { "" }))
+    }
+
     /// The cost of the text with this name. `None` for an unknown name.
     #[must_use]
     pub fn of(name: &str) -> Option<Self> {

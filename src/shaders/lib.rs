@@ -39,7 +39,7 @@ pub use golden::{
     BLENDED, CASES, CORNERS, Case, Golden, SecondGolden, TOLERANCE, table as golden_table,
     table_of_two_lobes as golden_table_of_two_lobes,
 };
-pub use gpu_cost::{COMPILER, GpuCost};
+pub use gpu_cost::{COMPILER, GpuCost, GpuLimit};
 pub use header::{commented, functions_of, table_caller};
 pub use language::Language;
 pub use layers::{FUZZ_CASES, fuzz_values, layers_comment, layers_source};

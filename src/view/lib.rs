@@ -2,6 +2,7 @@
 
 pub mod parameters;
 pub mod picture;
+pub mod plan;
 pub mod plots;
 pub mod preview;
 pub mod tradeoff;

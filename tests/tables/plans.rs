@@ -119,6 +119,6 @@ fn many_materials_of_glass_are_reported() {
     let notes = left_out(&scene);
     let of_volume: Vec<&String> = notes.iter().filter(|line| line.contains("KHR_materials_volume")).collect();
     assert_eq!(of_volume.len(), 1, "{notes:?}");
-    assert!(of_volume[0].ends_with(&format!(" and {} more)", glass - 1)), "{of_volume:?}");
+    assert!(of_volume[0].starts_with(&format!("not covered on {glass} materials: ")), "{of_volume:?}");
     assert!(glass >= 10 && scene.materials.iter().all(|material| !material.lobes.is_empty()), "{glass}: {notes:?}");
 }

@@ -19,6 +19,7 @@ mod header;
 mod integers;
 mod outline;
 mod polynomials;
+mod predicted;
 mod rounding;
 
 use coder::Encoder;
@@ -29,6 +30,7 @@ pub use header::LAYOUTS;
 use header::{Header, TERMS};
 pub use outline::Outline;
 use polynomials::most_polynomials;
+pub use predicted::{CompactBytes, encoded_and_decoded};
 use rounding::Rounding;
 
 use ltcforge_fit::{Spread, Table, width_between};

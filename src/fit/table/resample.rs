@@ -4,6 +4,7 @@ use super::{LookedUp, Table, Terms};
 use crate::{
     axes::PerAxis,
     brdf::{LobeFresnel, LobeTerms},
+    recipe::Recipe,
 };
 
 impl<T> PerAxis<T> {
@@ -53,6 +54,13 @@ impl Table {
             node_error: numbers(&self.node_error),
             ..self.clone()
         }
+    }
+
+    /// The table of a recipe with `count` evenly spaced nodes on one axis. Domain: see [`Table::resampled`].
+    #[must_use]
+    pub fn coarser(&self, recipe: &Recipe, axis: usize, count: u32) -> Self {
+        let nodes = recipe.layout.nodes(&recipe.range, &recipe.resolution.with(axis, count));
+        self.resampled(axis, nodes.named()[axis].1.clone())
     }
 
     /// The table of one lobe for each entry, the blend of two lobes for the reflectance that one lobe would be fitted

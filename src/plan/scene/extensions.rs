@@ -2,9 +2,10 @@
 
 use super::{document::Extensions, error::shown};
 
+pub(super) const EXT_LIGHTS_AREA: &str = "EXT_lights_area";
 /// Extensions that a plan reads, that do not affect it, or that a note describes.
 const READ: [&str; 16] = [
-    "EXT_lights_area",
+    EXT_LIGHTS_AREA,
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",

@@ -9,8 +9,8 @@ use super::{
     camera::Placed,
     document::{Document, Instancing, Node},
     error::{SceneError, Unread, out_of_range},
+    extensions::EXT_LIGHTS_AREA,
     geometry::Pose,
-    lights::EXT_LIGHTS_AREA,
     textures::extension,
 };
 

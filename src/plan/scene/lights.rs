@@ -6,6 +6,7 @@ use super::{
     accessor::Buffers,
     document::{AreaLight, AreaLights, Document, Emission},
     error::{Faults, SceneError, Unread, named, shown},
+    extensions::EXT_LIGHTS_AREA,
     geometry::Geometry,
     graph::Graph,
     material::{LobeKind, luminance},
@@ -14,10 +15,11 @@ use super::{
 use ltcforge_fit::{Configuration, Sides};
 use ltcforge_light::{AnyLight, LightShape, PlacedLight};
 
-pub(super) const EXT_LIGHTS_AREA: &str = "EXT_lights_area";
 /// Maximum number of lights, and of vertices of a mesh whose triangles are lights.
 const MOST_LIGHTS: usize = 32;
 const MOST_VERTICES: u64 = 64;
+/// The largest size, aspect, intensity and radiance of a light.
+const MOST: f64 = 1e9;
 
 /// An area light in the coordinates of a scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -86,7 +88,7 @@ fn area_light(light: &AreaLight, index: usize, world: &DMat4) -> Result<Option<(
     let mut faults = Faults::default();
     let numbers = [("size", size), ("rect/aspect", aspect), ("intensity", intensity)];
     for (field, value) in numbers.into_iter().chain(color.map(|part| ("color", part))) {
-        faults.within(format!("/extensions/{EXT_LIGHTS_AREA}/lights/{index}/{field}"), value, f64::MAX);
+        faults.within(format!("/extensions/{EXT_LIGHTS_AREA}/lights/{index}/{field}"), value, MOST);
     }
     faults.none()?;
     let (x, y) = (0.5 * size * aspect * DVec3::X, 0.5 * size * DVec3::Y);
@@ -125,7 +127,7 @@ fn emissive(
             let emission: Emission =
                 extension(&format!("/materials/{index}"), &material.extensions, "KHR_materials_emissive_strength")?;
             let radiance = luminance(material.emissive_factor) * emission.emissive_strength.unwrap_or(1.0);
-            if !(radiance > 0.0 && radiance.is_finite()) {
+            if !(radiance > 0.0 && radiance <= MOST) {
                 continue;
             }
             let read = primitive.attributes.values().copied().chain(primitive.indices);
