@@ -4,7 +4,7 @@
 //! shadowed = light - E[(1 - V(wi)) brdf(wo, wi) cos / pdf(wi)]
 //! ```
 //!
-//! The estimate is not biased, and has no error where nothing is hidden [Heitz, Hill and McGuire 2018, section 2].
+//! The estimate is not biased, and has no error where nothing is hidden [Heitz, Hill and `McGuire` 2018, section 2].
 
 use glam::DVec3;
 

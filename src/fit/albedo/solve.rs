@@ -106,7 +106,9 @@ pub(super) fn solve(axes: &[Axis], values: &[f64], is_bounded: bool) -> Vec<f64>
         }
         descend(&mut texels, &places, values, &weights, if round == 0 { 2 * STEPS } else { STEPS });
         if is_bounded {
-            texels.iter_mut().for_each(|texel| *texel = texel.clamp(0.0, 1.0));
+            for texel in &mut texels {
+                *texel = texel.clamp(0.0, 1.0);
+            }
         }
     }
     texels
