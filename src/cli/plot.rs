@@ -8,7 +8,11 @@ use serde_json::json;
 use super::{
     AnyTable, CommandFailure, Context, Exit, OutputFile, TableChoice, Threads, failed, shown, tabulated, usage,
 };
-use ltcforge_view::plots::{Azimuth, ErrorSlice, Plot, Ratio};
+use ltcforge_files::{container::LutFile, digest::Digest};
+use ltcforge_view::{
+    picture::Picture,
+    plots::{Azimuth, ErrorSlice, Plot, Ratio, draw_lut},
+};
 
 /// `plot`.
 #[derive(Debug, Args)]
@@ -48,6 +52,13 @@ pub(super) fn run(args: &PlotArgs, context: &mut Context<'_>) -> Result<Exit, Co
         return Err(usage("--ratio and --phi are only for plot error; plot matrix shows every entry"));
     }
     let out = OutputFile::check_png(&args.out)?;
+    if let Some((_, digest, LutFile { recipe, lut })) = super::lut::read(&args.table)? {
+        if args.name != PlotName::Error || args.ratio.is_some() || args.phi.is_some() {
+            return Err(usage("a lookup table has only plot error, without --ratio and --phi"));
+        }
+        let picture = args.threads.pool()?.install(|| draw_lut(&recipe, &lut, &digest.hex()));
+        return written(args, &out, digest, &picture, context);
+    }
     let AnyTable { table, digest, path, .. } = AnyTable::read(&args.table)?;
     let plot = match args.name {
         PlotName::Error => {
@@ -57,6 +68,16 @@ pub(super) fn run(args: &PlotArgs, context: &mut Context<'_>) -> Result<Exit, Co
         PlotName::Matrix => Plot::Matrix,
     };
     let picture = args.threads.pool()?.install(|| plot.draw(&table, &digest.hex()));
+    written(args, &out, digest, &picture, context)
+}
+
+fn written(
+    args: &PlotArgs,
+    out: &OutputFile,
+    digest: Digest,
+    picture: &Picture,
+    context: &mut Context<'_>,
+) -> Result<Exit, CommandFailure> {
     out.write(&picture.png().map_err(failed)?)?;
     let value = json!({
         "file": shown(&args.out), "table": digest, "width": picture.width, "height": picture.height,

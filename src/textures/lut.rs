@@ -152,7 +152,7 @@ impl LutExport {
         let about = About::of_lut(digest, recipe_document::canonical_json(&of.recipe), error);
         let (key, bundle) = match self {
             Self::Engine(engine) => ("for", engine.bundle(&recipe, lut, &about)?),
-            Self::Png => (MANIFEST_KEY, pictures(&recipe, &lut)?),
+            Self::Png => (MANIFEST_KEY, pictures(&recipe, &lut)),
             Self::Textures { container, precision } => {
                 (MANIFEST_KEY, plain(container, precision, &recipe, &lut, &about)?)
             }
@@ -186,7 +186,7 @@ fn plain(
 }
 
 /// Pictures of 8 or 16 bits: red, green and blue are the channels. The average of an albedo is a file of 32-bit numbers.
-fn pictures(recipe: &LutRecipe, lut: &Lut) -> Result<Bundle, LutExportError> {
+fn pictures(recipe: &LutRecipe, lut: &Lut) -> Bundle {
     let name = recipe.table.name();
     let channels = recipe.channels().len();
     let texel = |texel: &[f32]| [0, 1, 2].map(|i| texel.get(i).copied().unwrap_or(0.0));
@@ -203,7 +203,7 @@ fn pictures(recipe: &LutRecipe, lut: &Lut) -> Result<Bundle, LutExportError> {
     }
     let mut steps: Vec<String> = sampling(recipe).into();
     steps.push("The numbers are linear, from 0 to 1: load the picture without a colour space.".to_owned());
-    Ok(Bundle { files, steps })
+    Bundle { files, steps }
 }
 
 fn unrounded(path: &str, bytes: Vec<u8>) -> super::TextureFile {

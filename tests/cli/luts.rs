@@ -28,6 +28,8 @@ fn a_dfg_table_is_fitted_measured_and_exported() {
     assert!(folder.path().join("blender/brdf_ggx.inc").exists());
     let refused = run(folder.path(), ["preview", name.as_str(), "-o", "sphere.png"]).exited(2);
     assert!(refused.stderr.contains("lookup table"), "{}", refused.stderr);
+    run(folder.path(), ["plot", name.as_str(), "error", "-o", "errors.png"]).exited(0);
+    assert!(fs::read(folder.path().join("errors.png")).expect("a picture").starts_with(b"\x89PNG"));
     let lock = ["lock", "brdf", "--recipe", "dfg", "--for", "three", "--out", "assets/brdf"];
     run(folder.path(), lock).exited(0);
     assert!(folder.path().join("assets/brdf/DFGLUTData.js").exists());

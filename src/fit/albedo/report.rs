@@ -38,6 +38,17 @@ pub struct LutReport {
     pub formats: Vec<(LutPrecision, LutError)>,
 }
 
+/// Values and errors of a channel at the places of a report, evenly spaced in the parameters of the axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LutMap {
+    /// The number of places in a row.
+    pub columns: usize,
+    /// The values.
+    pub values: Vec<f64>,
+    /// The absolute errors after linear filtering.
+    pub errors: Vec<f64>,
+}
+
 /// A recipe's values at the places of a report.
 #[derive(Debug)]
 pub struct MeasuredLut {
@@ -61,10 +72,8 @@ impl MeasuredLut {
         Self { recipe: *recipe, truth: truth.collect() }
     }
 
-    /// The error of texels: rows of roughness, then texels of the view, then channels. Domain: texels of the recipe's
-    /// resolution.
-    #[must_use]
-    pub fn error(&self, texels: &[f32]) -> LutError {
+    /// The absolute errors at all places, all channels of each. Domain: texels of the recipe's resolution.
+    fn errors(&self, texels: &[f32]) -> Vec<f64> {
         let (axes, size) = (&self.recipe.axes, &self.recipe.resolution);
         let (channels, width) = (self.recipe.channels().len(), size.cos_theta as usize);
         let mut errors: Vec<f64> = Vec::with_capacity(channels * self.truth.len());
@@ -77,12 +86,33 @@ impl MeasuredLut {
                 errors.push((mix(row) * (1.0 - down) + mix(row + 1) * down - truth).abs());
             }
         }
+        errors
+    }
+
+    /// The error of texels: rows of roughness, then texels of the view, then channels. Domain: texels of the recipe's
+    /// resolution.
+    #[must_use]
+    pub fn error(&self, texels: &[f32]) -> LutError {
+        let mut errors = self.errors(texels);
         errors.sort_by(f64::total_cmp);
         let count = errors.len();
         LutError {
             mean: errors.iter().sum::<f64>() / count as f64,
             p95: errors[count * 95 / 100],
             max: errors[count - 1],
+        }
+    }
+
+    /// The values and errors of one channel: rows of roughness, from smooth surfaces, with low views first, and the
+    /// number of places in a row.
+    #[must_use]
+    pub fn map(&self, lut: &Lut, channel: usize) -> LutMap {
+        let columns = self.truth.iter().take_while(|(at, _)| at[0] == self.truth[0].0[0]).count();
+        let errors = self.errors(&lut.texels).into_iter().skip(channel).step_by(self.recipe.channels().len());
+        LutMap {
+            columns,
+            values: self.truth.iter().map(|(_, truth)| truth[channel]).collect(),
+            errors: errors.collect(),
         }
     }
 

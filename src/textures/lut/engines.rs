@@ -288,7 +288,7 @@ fn include(image: &Image, about: &About) -> String {
     let mut text = about.comment();
     for texels in image.texels.chunks(4 * image.names.len()) {
         let bits: Vec<String> = texels.iter().map(|x| format!("0x{:04x}", f16::from_f32_const(*x).to_bits())).collect();
-        let _ = write!(text, "    {},\n", bits.join(", "));
+        let _ = writeln!(text, "    {},", bits.join(", "));
     }
     text
 }

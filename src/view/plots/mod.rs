@@ -4,6 +4,7 @@
 
 mod chart;
 mod error;
+mod lut;
 mod matrix;
 mod parameters;
 mod plot;
@@ -13,6 +14,7 @@ mod slice;
 mod tests;
 
 pub use error::error_numbers_while;
+pub use lut::draw_lut;
 pub use parameters::{Azimuth, Ratio};
 pub use plot::Plot;
 pub use scale::Scale;
