@@ -27,9 +27,10 @@ pub fn draw_lut(recipe: &LutRecipe, lut: &Lut, name: &str) -> Picture {
             Panel { title, picture: errors, foot: bar(SIDE, colour, ["0", &ends], &["linear"]) },
         ]
     });
-    let at = format!("{name}: table {} of {}", recipe.table, recipe.brdf);
+    let short = format!("table {} of {}", recipe.table, recipe.brdf);
+    let at = format!("{name}: {short}");
     let how = format!("x: view ({}), y: roughness ({})", recipe.axes.cos_theta, recipe.axes.roughness);
-    headed(&[&[&at], &[&how]], &grid(&panels.collect::<Vec<_>>(), 2))
+    headed(&[&[&at, &short], &[&how]], &grid(&panels.collect::<Vec<_>>(), 2))
 }
 
 /// The nearest place at each pixel, smooth surfaces at the bottom.
