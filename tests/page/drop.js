@@ -42,7 +42,7 @@ await withWorld( async ( { open } ) => {
 	await page.dispatchEvent( 'main', 'drop', { dataTransfer: data } );
 	const panel = page.locator( '.scene' );
 	// At first, the picture uses the table of engines. Then it uses the planned table.
-	const first = await page.locator( '.page-viewer .figures tbody th' ).first().textContent();
+	const first = await page.locator( '.page-viewer .shown .figures tbody th' ).first().textContent();
 	await page.waitForFunction( () => /planned table/.test( document.querySelector( '.page-viewer .shown .figures tbody th' )?.textContent ) );
 	const digest = await page.evaluate( () => new URLSearchParams( location.hash.split( '?' )[ 1 ] ).get( 'table' ) );
 	const sentence = await panel.locator( 'p' ).first().textContent();
@@ -82,9 +82,13 @@ await withWorld( async ( { open } ) => {
 	// A reload keeps the file. Without it, the page says what is missing.
 	await page.reload();
 	await page.waitForFunction( () => document.querySelector( '#view-surface' )?.value === 'mesh' );
+	// All sources and shaders of the viewer, compressed.
+	const sources = await page.evaluate( () => [ location.href, ...performance.getEntriesByType( 'resource' ).map( ( { name } ) => name ) ].filter( ( name ) => ! /\/v1\/|healthz|version|published/.test( name ) ) );
+	let size = 0;
+	for ( const source of new Set( sources ) ) size += gzipSync( Buffer.from( await ( await fetch( source ) ).arrayBuffer() ) ).length;
 	await page.evaluate( () => new Promise( ( done ) => indexedDB.deleteDatabase( 'ltcforge' ).onsuccess = done ) );
 	await page.reload();
 	const missing = await page.locator( '.controls .notice' ).textContent();
-	return { first, digest, sentence, material, blue, violations, name: download.suggestedFilename(), names: Object.keys( files ).sort(), readme: files[ 'README.md' ], missing };
+	return { size, first, digest, sentence, material, blue, violations, name: download.suggestedFilename(), names: Object.keys( files ).sort(), readme: files[ 'README.md' ], missing };
 
 } );

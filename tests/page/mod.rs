@@ -86,7 +86,13 @@ fn a_token_is_requested_sent_with_every_request_and_never_stored() {
 #[ignore = "make test-all runs it"]
 fn tables_are_searched_sorted_compared_and_varied_and_their_maps_read() {
     let Some(seen) = script("tables.js", &[]) else { return };
-    assert_eq!(seen["isNewestFirst"], true, "{seen:#}");
+    assert_eq!((&seen["isNewestFirst"], &seen["empty"]), (&json!(true), &json!(true)), "{seen:#}");
+    let written = json!(["10 kB", "1.0 MB", "1.5 MB", "1 min 0 s", "2 min 0 s", "1 h 0 min", "1 d"]);
+    assert_eq!(seen["written"], written, "{seen:#}");
+    // Both tables have equally many entries, so no number of entries is the best.
+    let marked = seen["marked"].as_array().expect("rows");
+    assert!(marked.iter().all(|row| row == "Size" || row == "Entries"), "{seen:#}");
+    assert!(seen["named"][1].as_str().is_some_and(|name| name.contains("alpha 0.2 to 0.5")), "{seen:#}");
     for column in ["Error", "Light", "Size"] {
         let [rising, falling] = [0, 1].map(|i| {
             let figures = seen["sorted"][column][i]["figures"].as_array().expect("figures");
@@ -127,6 +133,9 @@ const OFF: f64 = 2.0;
 
 /// Largest relative difference of the total light between the references of the viewer and of previews.
 const REFERENCE_OFF: f64 = 0.01;
+
+/// Largest size of the viewer's sources and shaders, compressed.
+const VIEWER_BYTES: f64 = 120_000.0;
 
 /// Largest relative difference of the mean error that the viewer shows from that of `ltcforge light --truth`.
 const ERROR_OFF: f64 = 0.05;
@@ -180,7 +189,7 @@ fn pictures_on_lights_agree_with_the_command() {
     }
     assert!(seen["reference"].as_f64().is_some_and(|apart| apart.abs() < REFERENCE_OFF), "{seen:#}");
     // The mean error below the picture, and the mean error of `--truth` over the picture.
-    for model in ["normals", "ltc-formula"] {
+    for model in ["table", "ltc-formula"] {
         let [told, wanted] = [0, 1].map(|i| seen["errors"][model][i].as_f64().expect("an error"));
         assert!(wanted > 1e-3 && (told / wanted - 1.0).abs() < ERROR_OFF, "{model}: {seen:#}");
     }
@@ -252,6 +261,7 @@ fn a_dropped_gltf_file_is_shown_with_its_own_materials() {
 fn a_scene_dropped_on_any_page_is_lit_planned_and_packed_for_an_engine() {
     let Some(seen) = script("drop.js", &[]) else { return };
     assert_eq!(seen["first"], "Left: engines, table of 2017", "{seen:#}");
+    assert!(seen["size"].as_f64().is_some_and(|bytes| bytes > 50_000.0 && bytes < VIEWER_BYTES), "{seen:#}");
     let digest = seen["digest"].as_str().unwrap_or_default();
     assert!(seen["sentence"].as_str().is_some_and(|text| text.contains("1 material")), "{seen:#}");
     let material = seen["material"].as_str().unwrap_or_default();

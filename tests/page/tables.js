@@ -4,7 +4,27 @@ import { SMALL, withWorld } from './world.js';
 
 await withWorld( async ( { service, open } ) => {
 
+	// Without tables, the page shows a sphere and a button that fits a table. The first request for a picture is refused.
+	const first = await open( 'nowhere' );
+	await first.evaluate( () => {
+
+		const { fetch } = window;
+		let refused = false;
+		window.fetch = ( path, ...rest ) => refused || ! String( path ).includes( '/v1/preview' ) ? fetch( path, ...rest ) : ( refused = true, Promise.resolve( new Response( '', { status: 503, headers: { 'retry-after': '1' } } ) ) );
+		location.hash = '#/tables';
+
+	} );
+	await first.locator( '.empty img[src]' ).waitFor();
+	const empty = await first.getByRole( 'button', { name: 'Fit the standard table' } ).isEnabled();
+	const written = await first.evaluate( async () => {
+
+		const { bytes, span } = await import( './page/elements/format.js' );
+		return [ bytes( 9_960 ), bytes( 999_999 ), bytes( 1_500_000 ), span( 59.7 ), span( 119.7 ), span( 3599.9 ), span( 86_399 ) ];
+
+	} );
 	const digest = await service.fit( { preset: 'draft' } );
+	// The open page shows the new table without a reload.
+	await first.locator( `a[href="#/tables/${ digest }"]` ).waitFor();
 	const [ coarse, half ] = [ await service.fit( SMALL ), await service.fit( { ...SMALL, precision: 'f16' } ) ];
 	const manifests = {};
 	for ( const name of [ digest, coarse, half ] ) manifests[ name ] = await service.call( `/v1/tables/${ name }/manifest` );
@@ -83,6 +103,12 @@ await withWorld( async ( { service, open } ) => {
 	const isDarkest = shades[ at( Math.min( ...flat ) ) ] === Math.min( ...shades );
 	await page.locator( '#plot-ratio' ).fill( '1' );
 	await output.filter( { hasText: /^alpha [0-9.]+, view/ } ).waitFor();
-	return { isNewestFirst: String( newest ) === String( [ half, coarse, digest ] ), sorted, found, winners, varied, hovered, keyed, isBrightest, isDarkest, spread: Math.max( ...shades ) - Math.min( ...shades ) };
+	// Errors of different ranges are not comparable, but sizes are.
+	const part = await service.fit( { ...SMALL, range: { alpha: [ 0.2, 0.5 ] } } );
+	await page.evaluate( ( tables ) => location.hash = `#/compare?tables=${ tables }`, [ coarse, part ] );
+	await page.getByText( 'errors are not comparable' ).waitFor();
+	const marked = await page.locator( 'tr:has(.best) th' ).allInnerTexts();
+	const named = await page.locator( '.compare select option:checked' ).allInnerTexts();
+	return { empty, written, marked, named, isNewestFirst: String( newest ) === String( [ half, coarse, digest ] ), sorted, found, winners, varied, hovered, keyed, isBrightest, isDarkest, spread: Math.max( ...shades ) - Math.min( ...shades ) };
 
 } );

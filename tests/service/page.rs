@@ -3,7 +3,7 @@
 use crate::common::server::Server;
 
 /// Largest size of the first view in bytes, uncompressed.
-const FIRST_VIEW_BYTES: usize = 250_000;
+const FIRST_VIEW_BYTES: usize = 60_000;
 
 #[test]
 fn the_page_and_its_files_are_served_with_entity_tags() {

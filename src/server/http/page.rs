@@ -69,6 +69,7 @@ page_files![
     "published/ltc2017_LICENSE.txt",
     "report/downloads.js",
     "report/errors.js",
+    "report/first.js",
     "report/quality.js",
     "service/api.js",
     "service/jobs.js",
@@ -218,6 +219,16 @@ mod tests {
             }
         }
         assert!(imports > 50, "{imports}");
+    }
+
+    /// Largest number of lines of JavaScript.
+    const MOST_LINES: usize = 4500;
+
+    #[test]
+    fn the_page_stays_small() {
+        let scripts = FILES.iter().filter(|(name, ..)| name.rsplit('.').next() == Some("js"));
+        let lines: usize = scripts.map(|(_, bytes, _)| bytes.iter().filter(|byte| **byte == b'\n').count()).sum();
+        assert!(lines > 1000 && lines <= MOST_LINES, "{lines} lines");
     }
 
     #[test]

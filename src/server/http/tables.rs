@@ -10,7 +10,7 @@ use super::{
     kind::ProblemKind,
     problem::{Answer, Problem},
 };
-use crate::service::{FileKind, Page, TableCursor, TableRow};
+use crate::service::{FileKind, ListedTable, Page, TableCursor};
 use ltcforge_files::digest::Digest;
 
 #[derive(Debug, Deserialize)]
@@ -25,7 +25,7 @@ pub(super) struct ListParameters {
 pub(super) async fn list(
     State(api): State<Api>,
     QueryOf(ListParameters { cursor, limit }): QueryOf<ListParameters>,
-) -> Result<Json<Page<TableRow>>, Problem> {
+) -> Result<Json<Page<ListedTable>>, Problem> {
     let page = api.call(move |service| service.tables(cursor.as_ref(), limit.0)).await?;
     Ok(Json(page))
 }

@@ -1,7 +1,7 @@
 // Shows the page named in the address after `#`, and whether the service responds.
 
 import { el, fill, notice, takeDrops } from './elements/dom.js';
-import { call, watchService } from './service/api.js';
+import { awaitService, call, isUp, watchService } from './service/api.js';
 import { keep } from './service/kept.js';
 
 /** Loads the module of a page. `rest` is the part of the address after the page's name. A module exports `show( root, rest, parameters, signal )`, which may return a function that refreshes the page. */
@@ -50,7 +50,10 @@ async function show() {
 	} catch ( error ) {
 		if ( signal.aborted ) return;
 		// When the service is back, `serviceback` shows the page again.
-		fill( root, el( 'h1', {}, 'Cannot show this page' ), notice( error.message ) );
+		// Browsers do not say why a module is missing.
+		const isLost = error instanceof TypeError && ! await isUp();
+		if ( isLost ) awaitService();
+		fill( root, el( 'h1', {}, 'Cannot show this page' ), notice( isLost ? 'The service does not respond. The page appears when it is back.' : error.message ) );
 	}
 	const heading = root.querySelector( 'h1' );
 	document.title = heading ? `${ heading.textContent } – ltcforge` : 'ltcforge';

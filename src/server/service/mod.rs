@@ -44,4 +44,4 @@ pub use plans::{PlanError, Planned, SCENE_LIMIT_BYTES, SceneForm};
 pub use published::published_table;
 pub use state::{Metrics, Service};
 pub use submit::{Foreseen, SubmitReply};
-pub use tables::Page;
+pub use tables::{ListedTable, Page};

@@ -4,6 +4,7 @@ use std::sync::{Arc, PoisonError};
 
 use bytes::Bytes;
 use serde::{Deserialize, Serialize};
+use serde_json::value::RawValue;
 
 use super::{
     DeleteError, ExportFailure, FileKind, MadeExport, Service, ServiceError, TableCursor, TableRow,
@@ -20,6 +21,50 @@ pub struct Page<T> {
     pub items: Vec<T>,
     /// The `cursor` of the next page; `None` on the last page.
     pub next: Option<String>,
+}
+
+/// A table in the list of tables.
+#[derive(Debug, Clone, Serialize)]
+pub struct ListedTable {
+    #[serde(flatten)]
+    row: TableRow,
+    /// Its canonical recipe. `None` if its row is missing.
+    recipe: Option<Box<RawValue>>,
+    /// The mean errors between nodes. `None` until the manifest is made.
+    errors: Option<Between>,
+}
+
+/// Mean errors between nodes, as in a manifest.
+#[derive(Debug, Clone, Copy, Serialize)]
+struct Between {
+    /// Relative to the width of the lobe.
+    width: f64,
+    /// Of the light of square lights, relative to the energy of the lobe.
+    light: f64,
+}
+
+impl Between {
+    fn of_manifest(text: &str) -> Option<Self> {
+        #[derive(Deserialize)]
+        struct Manifest {
+            report: Report,
+        }
+        #[derive(Deserialize)]
+        struct Report {
+            between: Means,
+        }
+        #[derive(Deserialize)]
+        struct Means {
+            width: Mean,
+            light: Mean,
+        }
+        #[derive(Deserialize)]
+        struct Mean {
+            mean: f64,
+        }
+        let Means { width, light } = serde_json::from_str::<Manifest>(text).ok()?.report.between;
+        Some(Self { width: width.mean, light: light.mean })
+    }
 }
 
 impl Service {
@@ -63,9 +108,16 @@ impl Service {
     ///
     /// # Errors
     /// When the store fails.
-    pub fn tables(&self, cursor: Option<&TableCursor>, limit: usize) -> Result<Page<TableRow>, ServiceError> {
+    pub fn tables(&self, cursor: Option<&TableCursor>, limit: usize) -> Result<Page<ListedTable>, ServiceError> {
         let cursor = cursor.map(|cursor| cursor.0.as_slice());
-        let (items, next) = self.state.files.catalogue.page(cursor, limit)?;
+        let catalogue = &self.state.files.catalogue;
+        let (rows, next) = catalogue.page(cursor, limit)?;
+        let mut items = Vec::with_capacity(rows.len());
+        for row in rows {
+            let recipe = catalogue.recipe(row.recipe_digest)?.and_then(|(text, _)| RawValue::from_string(text).ok());
+            let manifest = catalogue.manifest(row.digest, MANIFEST_VERSION)?;
+            items.push(ListedTable { row, recipe, errors: manifest.as_deref().and_then(Between::of_manifest) });
+        }
         Ok(Page { items, next: next.map(|key| to_hex(&key)) })
     }
 

@@ -9,26 +9,26 @@ export function number( value ) {
 
 /** An integer with commas between thousands. */
 export const whole = ( count ) => count.toLocaleString( 'en' );
-
 /** A fraction in percent. */
 export const percent = ( part, digits = 1 ) => `${ ( 100 * part ).toFixed( digits ) } %`;
-
 /** An angle in whole degrees. */
 export const degrees = ( radians ) => `${ Math.round( radians * 180 / Math.PI ) }°`;
 
 export function bytes( count ) {
 	if ( count < 1000 ) return `${ count } B`;
-	const kilo = count / 1000;
-	return kilo < 1000 ? `${ kilo.toFixed( kilo < 10 ? 1 : 0 ) } kB` : `${ ( kilo / 1000 ).toFixed( 1 ) } MB`;
+	const kilo = Number( ( count / 1000 ).toFixed( count < 9950 ? 1 : 0 ) );
+	return kilo < 1000 ? `${ kilo.toFixed( kilo < 10 ? 1 : 0 ) } kB` : `${ ( count / 1e6 ).toFixed( 1 ) } MB`;
 }
 
 /** A duration in at most two units. */
 export function span( seconds ) {
 	if ( seconds < 1 ) return '< 1 s';
-	if ( seconds < 60 ) return `${ Math.round( seconds ) } s`;
-	if ( seconds < 3600 ) return `${ Math.floor( seconds / 60 ) } min ${ Math.round( seconds % 60 ) } s`;
-	if ( seconds < 86_400 ) return `${ Math.floor( seconds / 3600 ) } h ${ Math.round( seconds % 3600 / 60 ) } min`;
-	return `${ Math.floor( seconds / 86_400 ) } d`;
+	// Rounds first, so that 59.6 seconds are a minute.
+	const [ whole, minutes ] = [ Math.round( seconds ), Math.round( seconds / 60 ) ];
+	if ( whole < 60 ) return `${ whole } s`;
+	if ( whole < 3600 ) return `${ Math.floor( whole / 60 ) } min ${ whole % 60 } s`;
+	if ( minutes < 1440 ) return `${ Math.floor( minutes / 60 ) } h ${ minutes % 60 } min`;
+	return `${ Math.floor( minutes / 1440 ) } d`;
 }
 
 /** The time since a date, in the largest unit that fits. */

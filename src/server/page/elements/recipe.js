@@ -1,6 +1,7 @@
 // Formats recipes for people, and makes links to the form.
 
 import { button, el, section } from './dom.js';
+import { number, short } from './format.js';
 
 /** Indented JSON. A list of numbers or strings is on one line. */
 export function json( value ) {
@@ -14,6 +15,13 @@ export function title( { brdf, layout, resolution, precision, lobe, fresnel } ) 
 	return [ brdf, layout, nodes.join( ' × ' ) || '1', precision, lobe, materials ].filter( Boolean ).join( ' · ' );
 }
 
+/** The name of a table in a list of the service: its title, its range if it is a part, and the first digits of its digest. */
+export function nameOf( { digest, recipe } ) {
+	const { alpha, ratio } = recipe?.range ?? {};
+	const part = [ [ 'alpha', alpha ], [ 'ratio', ratio ] ].filter( ( [ , range ] ) => range && ( range[ 0 ] > 1e-3 || range[ 1 ] < 1 ) ).map( ( [ of, [ from, to ] ] ) => from === to ? `${ of } ${ number( from ) }` : `${ of } ${ number( from ) } to ${ number( to ) }` );
+	return [ recipe && title( recipe ), ...part, short( digest ) ].filter( Boolean ).join( ' · ' );
+}
+
 /** Whether all surfaces of a recipe are isotropic. */
 export const isIsotropic = ( { range } ) => range.ratio[ 0 ] === 1;
 
@@ -24,10 +32,8 @@ export function ownRecipe( { fitter, ...own } ) {
 
 /** The engines that tables are exported for: name of the export, label, and the layout that the engine reads; your own renderer reads all. */
 export const ENGINES = [ [ 'three', 'three.js', 'ltc2017' ], [ 'babylon', 'Babylon.js', 'ltc2017' ], [ 'playcanvas', 'PlayCanvas', 'ltc2017' ], [ 'bevy', 'Bevy', 'ltc2017' ], [ 'godot', 'Godot', 'godot' ], [ 'hdrp', 'Unity HDRP', 'hdrp' ], [ 'o3de', 'O3DE', 'ltc2016' ], [ 'wgpu', 'your own renderer' ] ];
-
 /** The address of the form filled with a recipe. */
 export const formOf = ( recipe ) => `#/new?${ new URLSearchParams( { recipe: JSON.stringify( recipe ) } ) }`;
-
 /** A link to the form that starts from a complete recipe. */
 export const variation = ( recipe ) => button( formOf( ownRecipe( recipe ) ), 'Fit a variation' );
 

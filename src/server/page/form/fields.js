@@ -1,5 +1,7 @@
 // The recipe fields of the form. The service knows their bounds and defaults, and checks the recipe.
 
+import { ENGINES } from '../elements/recipe.js';
+
 const ALPHA_AND_RATIO = [ 'alpha', 'ratio' ];
 const AXES = Object.fromEntries( [ ...ALPHA_AND_RATIO, 'theta', 'phi' ].map( ( axis ) => [ axis, axis ] ) );
 
@@ -14,9 +16,9 @@ const GROUPS = {
 
 /** Recipes to start from, by their use. */
 export const STARTS = {
+	...Object.fromEntries( ENGINES.map( ( [ , label, layout ] ) => [ label, { preset: 'standard', ...( layout && { layout } ) } ] ) ),
 	'metals and dielectrics, anisotropic': { preset: 'standard', fresnel: 'two_lobes' },
 	'brushed metal on phones': { preset: 'paper', precision: 'f16', range: { alpha: [ 0.05, 0.4 ], ratio: [ 0.2, 1 ] }, resolution: { alpha: 7, ratio: 5, theta: 8, phi: 6 } },
-	'isotropic surfaces, in the layout that engines use': { preset: 'standard', layout: 'ltc2017' },
 	'isotropic surfaces, one kilobyte': { preset: 'paper', precision: 'f16', range: { ratio: [ 1, 1 ], phi: [ 0, 0 ] }, resolution: { alpha: 9, ratio: 1, theta: 8, phi: 1 } },
 	'glTF sheen': { preset: 'paper', brdf: 'charlie_neubelt', range: { alpha: [ 0.0049, 1 ] }, resolution: { alpha: 24, theta: 32 }, precision: 'f16' },
 };

@@ -2,7 +2,7 @@
 
 import { svg } from '../elements/dom.js';
 import { bytes, percent } from '../elements/format.js';
-import { call, each, manifest } from '../service/api.js';
+import { call } from '../service/api.js';
 
 const [ WIDTH, HEIGHT, LEFT, TOP, BOTTOM ] = [ 240, 164, 24, 8, 32 ];
 /** Marks on the logarithmic axes. A point outside of the marks is drawn at the edge. */
@@ -10,7 +10,6 @@ const ERRORS = [ 0.02, 0.05, 0.1, 0.2, 0.5 ];
 const BYTES = [ 1e2, 1e3, 1e4, 1e5, 1e6, 1e7 ];
 /** Maximum number of tables in the chart. */
 const MOST_TABLES = 24;
-
 const along = ( value, marks ) => Math.min( 1, Math.max( 0, Math.log( value / marks[ 0 ] ) / Math.log( marks.at( - 1 ) / marks[ 0 ] ) ) );
 const x = ( value ) => LEFT + ( WIDTH - LEFT - 8 ) * along( value, BYTES );
 const y = ( error ) => TOP + ( HEIGHT - TOP - BOTTOM ) * ( 1 - along( error, ERRORS ) );
@@ -30,12 +29,12 @@ export function tradeoff( signal ) {
 
 	async function load() {
 		const { items } = await call( `/v1/tables?limit=${ MOST_TABLES }`, { signal } );
-		await each( items, 2, signal, async ( { digest, bytes } ) => {
-			const { recipe, report } = await manifest( digest );
-			const point = { error: report.between.width.mean, bytes };
+		for ( const { bytes, recipe, errors } of items.filter( ( { recipe, errors } ) => recipe && errors ) ) {
+			const point = { error: errors.width, bytes };
 			others.append( svg( 'circle', { class: 'measured', cx: x( bytes ), cy: y( point.error ), r: 2.5 }, svg( 'title', {}, `table for ${ recipe.brdf }, layout ${ recipe.layout }: ${ words( point ) }` ) ) );
-		} );
+		}
 	}
+
 	// After an error the chart lacks tables. The forecast shows errors of the service.
 	load().catch( () => {} );
 

@@ -6,12 +6,10 @@ import { textureReader } from './textures.js';
 
 /** Limits: bytes of a file, triangles of all instances, nodes of a scene, and depth of the node tree. */
 const [ MOST_BYTES, MOST_TRIANGLES, MOST_NODES, MOST_DEPTH ] = [ 2 ** 26, 2 ** 18, 2 ** 16, 64 ];
-
 const COMPONENTS = { 5120: Int8Array, 5121: Uint8Array, 5122: Int16Array, 5123: Uint16Array, 5125: Uint32Array, 5126: Float32Array };
 const WIDTHS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT4: 16 };
 /** Extensions that a file may require, because this module reads them or can ignore them. */
 const KNOWN = /^KHR_(materials_.*|texture_.*|mesh_quantization|lights_punctual)$/;
-
 const list = ( value ) => Array.isArray( value ) ? value : [];
 const numberOf = ( value, otherwise ) => Number.isFinite( value ) ? value : otherwise;
 

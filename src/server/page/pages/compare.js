@@ -1,8 +1,9 @@
 // Compares up to three tables: figures with the best value of each row marked, pictures and plots.
 
 import { bar, el, fill } from '../elements/dom.js';
-import { bytes, number, percent, short, whole } from '../elements/format.js';
-import { isIsotropic, title } from '../elements/recipe.js';
+import { bytes, number, percent, whole } from '../elements/format.js';
+import { isIsotropic, nameOf, title } from '../elements/recipe.js';
+import { firstTable } from '../report/first.js';
 import { call, manifest } from '../service/api.js';
 import { load, previewOf } from '../service/pictures.js';
 
@@ -22,10 +23,14 @@ const FIGURES = [
 	[ 'Entries', ( table ) => table.entries, whole ],
 ];
 
+/** Sizes are comparable for all tables. Errors are comparable for one scattering model and one range of roughnesses. */
+const SIZES = [ 'Size', 'Entries' ];
+const domain = ( { recipe: { brdf, range, materials } } ) => JSON.stringify( [ brdf, range, materials ] );
+
 /** A row of figures. The best value is marked. */
-function figures( name, values, write ) {
+function figures( name, values, write, isComparable ) {
 	const given = values.filter( ( value ) => value !== undefined );
-	const best = Math.max( ...given ) > Math.min( ...given ) ? Math.min( ...given ) : null;
+	const best = isComparable && Math.max( ...given ) > Math.min( ...given ) ? Math.min( ...given ) : null;
 	return el( 'tr', {}, el( 'th', { scope: 'row' }, name ), values.map( ( value ) => el( 'td', { class: `number${ value === best ? ' best' : '' }` },
 		value === best ? el( 'span', { class: 'hidden' }, 'best: ' ) : null, value === undefined ? '–' : write( value ) ) ) );
 }
@@ -39,18 +44,21 @@ export async function show( root, rest, parameters, signal ) {
 	const options = [ ...new Set( [ ...digests, ...known ] ) ];
 	const choices = Array.from( { length: Math.min( MOST, digests.length + 1 ) }, ( _, i ) => el( 'select', { 'aria-label': `Table ${ i + 1 }`, onchange: choose },
 		el( 'option', { value: '' }, i < digests.length ? 'remove' : 'add a table…' ),
-		options.map( ( digest ) => el( 'option', { value: digest, selected: digest === digests[ i ] }, short( digest ) ) ) ) );
+		options.map( ( digest ) => el( 'option', { value: digest, selected: digest === digests[ i ] }, nameOf( items.find( ( item ) => item.digest === digest ) ?? { digest } ) ) ) ) );
 
 	function choose() {
 		const chosen = [ ...new Set( choices.map( ( { value } ) => value ).filter( Boolean ) ) ];
 		location.hash = chosen.length ? `#/compare?tables=${ chosen.join( ',' ) }` : '#/compare';
 	}
+	const isOneDomain = new Set( tables.map( domain ) ).size < 2;
 	const added = known.length > digests.length ? choices.slice( digests.length ) : null;
-	fill( root, bar( 'Compare', el( 'span', { class: 'muted' }, 'the best value of each row is marked' ), added ) );
+	fill( root, bar( 'Compare', el( 'span', { class: 'muted' }, isOneDomain ? 'the best value of each row is marked' : 'errors are not comparable: the tables are for different scattering models or ranges' ), added ) );
 	if ( ! known.length ) {
-		root.append( el( 'p', { class: 'empty' }, 'No table is stored yet. ', el( 'a', { href: '#/new' }, 'Submit a recipe' ), ' to fit a table.' ) );
+		root.append( firstTable( signal ) );
 		return null;
 	}
+	// All pictures show one surface, which every table covers.
+	const isRound = tables.some( ( { recipe } ) => isIsotropic( recipe ) );
 	const loads = [];
 	const pictures = ( name, caption, width, path ) => el( 'tr', {}, el( 'th', { scope: 'row' }, name ), tables.map( ( table, i ) => {
 		const image = el( 'img', { alt: `${ caption } table ${ i + 1 }`, width } );
@@ -62,8 +70,8 @@ export async function show( root, rest, parameters, signal ) {
 		el( 'thead', {},
 			el( 'tr', {}, el( 'th', { scope: 'col' }, 'Table' ), digests.map( ( _, i ) => el( 'th', { scope: 'col' }, choices[ i ] ) ) ),
 			el( 'tr', {}, el( 'td' ), tables.map( ( { table, recipe } ) => el( 'td', {}, el( 'a', { href: `#/tables/${ table }` }, title( recipe ) ) ) ) ) ),
-		el( 'tbody', {}, FIGURES.map( ( [ name, pick, write ] ) => figures( name, tables.map( pick ), ( value ) => write( value ) ) ),
-			pictures( 'Picture', 'A sphere lit by', 256, ( { recipe, table } ) => previewOf( recipe, table, 512 ) ),
+		el( 'tbody', {}, FIGURES.map( ( [ name, pick, write ] ) => figures( name, tables.map( pick ), ( value ) => write( value ), isOneDomain || SIZES.includes( name ) ) ),
+			pictures( isRound ? 'Sphere, alpha 0.2' : 'Sphere, alpha 0.5, 0.1', 'A sphere lit by', 256, ( { recipe, table } ) => previewOf( isRound ? { ...recipe, range: { ratio: [ 1 ] } } : recipe, table, 512 ) ),
 			pictures( 'Errors', 'Errors of', 320, ( table ) => plot( table, `error.png${ isIsotropic( table.recipe ) ? '' : '?ratio=0.25&phi=0.7' }` ) ),
 			pictures( 'Numbers', 'Stored numbers of', 320, ( table ) => plot( table, 'matrix.png' ) ) ) ) ) );
 	loads.forEach( ( [ image, from ] ) => load( image, from, signal ) );

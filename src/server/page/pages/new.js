@@ -16,7 +16,6 @@ import { hasToken } from '../service/token.js';
 
 /** Milliseconds without a change before the page requests a forecast. */
 const PAUSE = 120;
-
 /** Quotes any text as one word for a shell. Recipes can come from untrusted links. */
 const quoted = ( text ) => `'${ text.replaceAll( "'", "'\\''" ) }'`;
 
@@ -55,7 +54,7 @@ export async function show( root, rest, parameters, signal ) {
 	const submit = el( 'button', { type: 'submit', class: 'primary' }, 'Submit' );
 	const reset = el( 'button', { type: 'button', class: 'quiet', onclick: () => take( { preset: recipe.preset || 'standard' } ) }, 'Back to the preset' );
 	const answer = el( 'div' );
-	const starts = el( 'select', { id: 'start', onchange: () => take( { ...STARTS[ starts.value ] } ) }, el( 'option', { value: '', disabled: true, selected: true }, 'Choose…' ), Object.keys( STARTS ).map( ( name ) => el( 'option', {}, name ) ) );
+	const starts = el( 'select', { id: 'start', 'aria-label': 'Engine or use', onchange: () => take( { ...STARTS[ starts.value ] } ) }, el( 'option', { value: '', disabled: true, selected: true }, 'Choose…' ), Object.keys( STARTS ).map( ( name ) => el( 'option', {}, name ) ) );
 	const chart = tradeoff( signal );
 	const single = ( legend, content ) => el( 'fieldset', { class: 'single' }, el( 'legend', {}, legend ), content );
 	const copied = ( heading, read ) => el( 'div', { class: 'bar' }, el( 'h2', {}, heading ), copyButton( 'Copy', read ) );
@@ -63,8 +62,9 @@ export async function show( root, rest, parameters, signal ) {
 		el( 'h1', {}, 'New table' ),
 		el( 'div', { class: 'form' },
 			el( 'form', { novalidate: true, onsubmit: send },
+				single( 'For which engine or use?', starts ),
 				single( 'From a scene', planner( signal, take ) ),
-				single( 'Preset', el( 'div', { class: 'presets' }, presets, el( 'label', { for: 'start', class: 'start' }, el( 'span', {}, 'or for' ), starts ) ) ),
+				single( 'Preset', el( 'div', { class: 'presets' }, presets ) ),
 				groups.map( ( { name, inputs } ) => el( 'fieldset', {}, el( 'legend', {}, name ), inputs.map( ( { row } ) => row ) ) ),
 				answer, el( 'p', { class: 'actions' }, submit, reset ) ),
 			el( 'aside', { 'aria-label': 'Forecast' },

@@ -2,14 +2,15 @@
 
 import { bar, button, el, fill } from '../elements/dom.js';
 import { age, bytes, percent, short } from '../elements/format.js';
-import { title } from '../elements/recipe.js';
-import { call, each, manifest } from '../service/api.js';
+import { nameOf } from '../elements/recipe.js';
+import { call } from '../service/api.js';
 import { load, previewOf } from '../service/pictures.js';
+import { firstTable } from '../report/first.js';
 
 /** Number of tables per page of the list. */
 const PAGE = 200;
-/** Number of manifests that are requested at the same time. The service hashes a table for each manifest. */
-const AT_ONCE = 4;
+/** Milliseconds between two requests for the list. */
+const AGAIN = 5000;
 /** Pixels per side of a picture, enough for screens with double pixel density. */
 const PICTURE = 96;
 
@@ -38,8 +39,8 @@ export async function show( root, rest, parameters, signal ) {
 	const headings = COLUMNS.map( ( [ name, , title ], column ) => el( 'th', { scope: 'col', class: column ? 'number' : null }, el( 'button', { type: 'button', class: 'sort', title, onclick: () => sort( column ) }, name ) ) );
 	const outer = [ [ 'picture', 'Picture' ], [ 'choose', 'Compare' ] ].map( ( [ name, text ] ) => el( 'th', { scope: 'col', class: name }, hidden( text ) ) );
 	const list = el( 'table', { class: 'list' }, hidden( 'Tables', 'caption' ), el( 'thead', {}, el( 'tr', {}, outer[ 0 ], headings, outer[ 1 ] ) ), body );
-	const empty = el( 'p', { class: 'empty', hidden: true }, 'No table is stored yet. ', el( 'a', { href: '#/new' }, 'Submit a recipe' ), ' to fit a table.' );
-	fill( root, bar( 'Tables', count, el( 'label', { for: 'search', class: 'hidden' }, 'Search' ), search, compare ), list, empty, more );
+	fill( root, bar( 'Tables', count, el( 'label', { for: 'search', class: 'hidden' }, 'Search' ), search, compare ), list, more );
+	let empty = null;
 
 	function sort( column ) {
 		order = { column, sign: order.column === column ? - order.sign : 1 };
@@ -48,18 +49,19 @@ export async function show( root, rest, parameters, signal ) {
 
 	function add( item ) {
 		if ( rows.has( item.digest ) ) return;
-		const name = short( item.digest );
+		const [ digits, name ] = [ short( item.digest ), nameOf( item ).replace( / · [^·]*$/, '' ) ];
 		const link = el( 'a', { href: `#/tables/${ item.digest }` }, name );
 		const picture = el( 'img', { alt: '', width: 48, height: 48 } );
 		const cell = ( column, ...content ) => el( 'td', { class: 'number', 'data-name': column }, content );
-		const [ error, light ] = [ cell( 'Error', '…' ), cell( 'Light', '…' ) ];
-		const choose = el( 'input', { type: 'checkbox', 'aria-label': `Compare ${ name }`, onchange: () => pick( item.digest, choose.checked ) } );
-		const row = el( 'tr', {}, el( 'td', { class: 'picture' }, picture ), el( 'th', { scope: 'row' }, link, el( 'code', { class: 'muted' }, name ) ), error, light,
+		const choose = el( 'input', { type: 'checkbox', 'aria-label': `Compare ${ digits }: ${ name }`, onchange: () => pick( item.digest, choose.checked ) } );
+		const row = el( 'tr', {}, el( 'td', { class: 'picture' }, picture ), el( 'th', { scope: 'row' }, link, el( 'code', { class: 'muted' }, digits ) ),
+			cell( 'Error', item.errors ? percent( item.errors.width ) : '–' ), cell( 'Light', item.errors ? percent( item.errors.light, 2 ) : '–' ),
 			cell( 'Size', bytes( item.bytes ) ),
 			cell( 'Age', el( 'time', { datetime: item.created_at, title: new Date( item.created_at ).toLocaleString() }, age( item.created_at ) ) ),
 			el( 'td', { class: 'choose' }, choose ) );
-		// Until its manifest is loaded, a table is sorted after all others.
-		rows.set( item.digest, { ...item, row, link, picture, cells: [ error, light ], title: '', error: Infinity, light: Infinity } );
+		// Tables without errors are sorted after all others.
+		rows.set( item.digest, { ...item, row, title: name, error: item.errors?.width ?? Infinity, light: item.errors?.light ?? Infinity } );
+		if ( item.recipe ) load( picture, previewOf( item.recipe, item.digest, PICTURE ), signal );
 	}
 
 	function pick( digest, isChosen ) {
@@ -79,41 +81,32 @@ export async function show( root, rest, parameters, signal ) {
 			heading.removeAttribute( 'aria-sort' );
 			if ( column === order.column ) heading.setAttribute( 'aria-sort', order.sign > 0 ? 'ascending' : 'descending' );
 		} );
-		fill( body, found.map( ( { row } ) => row ) );
+		// Unchanged rows keep the focus.
+		if ( body.children.length !== found.length || found.some( ( { row }, i ) => body.children[ i ] !== row ) ) fill( body, found.map( ( { row } ) => row ) );
 		fill( count, found.length === rows.size ? `${ rows.size }${ next ? ' and more' : '' }` : `${ found.length } of ${ rows.size }` );
-		empty.hidden = rows.size > 0;
+		if ( rows.size === 0 && ! empty ) root.append( empty = firstTable( signal ) );
+		if ( empty ) empty.hidden = rows.size > 0;
 		list.hidden = rows.size === 0;
 		more.hidden = ! next;
 	}
 
-	async function detail( row ) {
-		try {
-			const { recipe, report: { between } } = await manifest( row.digest );
-			Object.assign( row, { title: title( recipe ), error: between.width.mean, light: between.light.mean } );
-			fill( row.link, row.title );
-			fill( row.cells[ 0 ], percent( row.error ) );
-			fill( row.cells[ 1 ], percent( row.light, 2 ) );
-			load( row.picture, previewOf( recipe, row.digest, PICTURE ), signal );
-		} catch ( error ) {
-			row.cells.forEach( ( cell ) => fill( cell, '–' ) );
-			row.row.title = error.message;
-		}
-	}
-
 	async function read( cursor ) {
 		const page = await call( `/v1/tables?limit=${ PAGE }${ cursor ? `&cursor=${ cursor }` : '' }`, { signal } );
-		const fresh = page.items.filter( ( { digest } ) => ! rows.has( digest ) );
 		page.items.forEach( add );
+		if ( ! cursor && ! page.next ) for ( const digest of rows.keys() ) if ( page.items.every( ( item ) => item.digest !== digest ) ) rows.delete( digest );
 		// A refresh requests only the first page, so its `next` must not replace the cursor after the oldest table in the list.
 		if ( cursor || next === null ) next = page.next;
 		draw();
-		each( fresh.map( ( { digest } ) => rows.get( digest ) ), AT_ONCE, signal, detail ).then( () => signal.aborted || draw() );
 	}
 
 	function older() {
 		more.disabled = true;
 		read( next ).finally( () => more.disabled = false );
 	}
+
+	const refresh = () => read().catch( () => {} );
 	await read();
-	return () => read().catch( () => {} );
+	const timer = setInterval( () => document.hidden || refresh(), AGAIN );
+	signal.addEventListener( 'abort', () => clearInterval( timer ) );
+	return refresh;
 }

@@ -2,6 +2,7 @@
 
 import { bar, copyButton, el, facts, fileField, fill, muted, notice, takeDrops } from '../elements/dom.js';
 import { number, percent, short, whole } from '../elements/format.js';
+import { nameOf } from '../elements/recipe.js';
 import { call } from '../service/api.js';
 import { keep, kept } from '../service/kept.js';
 import { choice, slider } from '../viewer/controls.js';
@@ -14,13 +15,10 @@ import { stage } from '../viewer/stage.js';
 
 /** Members of the scene that do not affect the samples, only their display. */
 const SHOWN = [ 'show', 'split', 'exposure', 'glow' ];
-
 /** The sides to show: name in a link, and label. */
 const SIDES = [ [ 'split', 'both' ], [ 'model', 'left' ], [ 'reference', 'right' ], [ 'difference', 'left minus right' ] ];
-
 /** The surfaces: name in a link, and label. */
 const SURFACES = CHOICES.surface.slice( 0, - 1 ).map( ( name ) => [ name, name.replace( '_', ' ' ) ] );
-
 /** The name of Monte Carlo integration. */
 const TRUTH = 'Monte Carlo integration';
 
@@ -30,7 +28,7 @@ export async function show( root, rest, parameters, signal ) {
 	const figures = el( 'div' );
 	const { items } = await call( '/v1/tables?limit=200', { signal } );
 	const known = [ ...new Set( [ scene.table, scene.against, ...items.map( ( { digest } ) => digest ) ] ) ].filter( ( name ) => name && name !== 'normals' && ! Object.hasOwn( NAMED, name ) );
-	const models = [ ...Object.entries( NAMED ), ...known.map( ( digest ) => [ digest, `table ${ short( digest ) }` ] ) ];
+	const models = [ ...Object.entries( NAMED ), ...known.map( ( digest ) => [ digest, `table ${ nameOf( items.find( ( item ) => item.digest === digest ) ?? { digest } ) }` ] ) ];
 	const lefts = [ [ '', 'normals, no table' ], ...models ];
 	const rights = [ [ '', TRUTH ], [ 'normals', 'normals, no table' ], ...models ];
 	const chosen = ( name, label, options, id = `view-${ name }` ) => choice( id, label, options, scene[ name ], ( value ) => change( name, value ) );
@@ -204,12 +202,12 @@ export async function show( root, rest, parameters, signal ) {
 		canvas.dataset.samples = samples;
 		canvas.dataset.errors = JSON.stringify( errors );
 		fill( figures,
-			el( 'div', { class: 'scroll' }, el( 'table', { class: 'figures' },
+			el( 'table', { class: 'figures' },
 				el( 'thead', {}, el( 'tr', {}, [ 'Error against the truth', 'mean', 'worst', 'at the pointer' ].map( ( name, i ) => el( 'th', { scope: 'col', class: i ? 'number' : null }, name ) ) ) ),
 				el( 'tbody', {},
 					row( `Left: ${ label( lefts, scene.table ) }`, errors?.sides[ 0 ], at.left, at.truth ),
 					right ? row( `Right: ${ label( rights, scene.against ) }`, errors?.sides[ 1 ], at.right, at.truth ) : null,
-					row( `${ right ? 'Truth' : 'Right' }: ${ TRUTH }`, null, at.truth, null ) ) ) ),
+					row( `${ right ? 'Truth' : 'Right' }: ${ TRUTH }`, null, at.truth, null ) ) ),
 			scene.show === 'difference' ? el( 'div', { class: 'scale muted' }, el( 'span', {}, `−${ number( scale ) }: left darker` ), el( 'span', { class: 'ramp signed' } ), el( 'span', {}, `left brighter: +${ number( scale ) }` ) ) : null,
 			facts( [ [ 'Samples', whole( samples ) ], [ 'Noise of the truth', errors ? percent( errors.noise, 2 ) : '–' ], [ 'Frame time', `${ milliseconds.toFixed( 1 ) } ms` ], [ 'Draw calls', calls ] ] ),
 			right && right.brdf !== left.brdf ? muted( `Two scattering models: ${ left.brdf } on the left, ${ right.brdf } on the right. Both use the colour of the left side.` ) : null );

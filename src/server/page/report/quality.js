@@ -8,7 +8,6 @@ import { errorMaps } from './errors.js';
 
 /** The roughness of a surface: one alpha, or two if they differ. */
 export const roughness = ( x, y ) => x === y ? `alpha ${ number( x ) }` : `alpha ${ number( x ) }, ${ number( y ) }`;
-
 /** The rows of the table of figures: label, and name in the report. */
 const ROWS = { 'lobe, relative to its width': 'width', 'lobe, sliced Wasserstein': 'sw1', light: 'light', amplitude: 'amplitude', 'Fresnel term': 'fresnel' };
 

@@ -1,12 +1,10 @@
 // Calls to the service. Addresses are relative to the page.
 
-import { anotherThan, authorization, hasToken } from './token.js';
+import { anotherThan, authorization } from './token.js';
 
 const BASE = new URL( '.', document.baseURI );
-
 /** Milliseconds between checks of the service: while it does not respond, and while it responds. Hidden pages check only while it does not respond. */
 const [ RETRY, WATCH ] = [ 1500, 5000 ];
-
 /** The absolute address of a path such as `/v1/jobs`. A prefix in the page's own address is kept. */
 export const address = ( path ) => new URL( path.replace( /^\//, '' ), BASE ).href;
 
@@ -26,13 +24,6 @@ export async function reach( path, { headers = {}, ...init } = {} ) {
 		if ( response.status !== 401 || ! await anotherThan( token ) ) return response;
 		init.signal?.throwIfAborted();
 	}
-}
-
-/** The address of a picture. Browsers send no token with pictures, so if there is a token, the page downloads the picture itself. */
-export async function pictureFrom( path ) {
-	if ( ! hasToken() ) return address( path );
-	const response = await reach( path );
-	return response.ok ? URL.createObjectURL( await response.blob() ) : address( path );
 }
 
 /**
@@ -72,17 +63,9 @@ export function constant( path ) {
 /** The manifest of a table. */
 export const manifest = ( digest ) => constant( `/v1/tables/${ digest }/manifest` );
 
-/** Runs `work` on all items, `atOnce` at a time, until `signal` aborts. */
-export async function each( items, atOnce, signal, work ) {
-	const left = [ ...items ];
-	const worker = async () => {
-		while ( left.length && ! signal.aborted ) await work( left.shift() );
-	};
-	await Promise.all( Array.from( { length: atOnce }, worker ) );
-}
-
 let awaited = null;
-const isUp = () => fetch( address( '/healthz' ) ).then( ( { ok } ) => ok, () => false );
+/** Whether the service responds. */
+export const isUp = () => fetch( address( '/healthz' ) ).then( ( { ok } ) => ok, () => false );
 
 /** Waits until the service responds again. Dispatches `servicelost` and `serviceback` on the window. */
 export function awaitService() {

@@ -1,7 +1,7 @@
 // Loads pictures that the service renders. Two pictures are requested at a time, because a browser opens only six connections to a service.
 
 import { isIsotropic } from '../elements/recipe.js';
-import { pictureFrom } from './api.js';
+import { reach } from './api.js';
 
 /** The promise for the last picture in each queue. */
 const queues = [ Promise.resolve(), Promise.resolve() ];
@@ -22,7 +22,15 @@ export function load( image, from, signal ) {
 
 async function shown( image, from, signal ) {
 	try {
-		image.src = await pictureFrom( from );
+		const response = await reach( from, { signal } );
+		if ( response.status === 429 || response.status === 503 ) {
+			// The service is busy. Until the picture comes, the page shows a placeholder.
+			const seconds = Number( response.headers.get( 'retry-after' ) ) || 2;
+			setTimeout( () => signal.aborted || load( image, from, signal ), 1000 * seconds );
+			return;
+		}
+		if ( ! response.ok ) throw new Error( `status ${ response.status }` );
+		image.src = URL.createObjectURL( await response.blob() );
 		await image.decode();
 	} catch {
 		// The page shows the alternative text. If the service was lost, the picture is loaded again when it is back.

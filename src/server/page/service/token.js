@@ -40,7 +40,7 @@ function asked( isRefused ) {
 			event.preventDefault();
 			end( true );
 		} } );
-		const dialog = el( 'dialog', { 'aria-labelledby': 'token-title', oncancel: () => end( false ) }, form );
+		const dialog = el( 'dialog', { 'aria-labelledby': 'token-title', onclose: () => end( false ) }, form );
 		fill( form, el( 'h2', { id: 'token-title' }, 'This service needs a token' ),
 			isRefused ? notice( 'The service rejected this token.' ) : null,
 			el( 'p', {}, 'The page keeps the token in memory until you reload it.' ),

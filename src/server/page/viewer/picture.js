@@ -9,7 +9,6 @@ const [ FEWEST, MANY, FAST, SLOW ] = [ 2, 32, 25, 150 ];
 /** Places of a mesh within a pixel, one per frame. */
 const PLACES = 16;
 const NO_LIGHT = { kind: 'diffuse', text: '', uniforms: {}, textures: [] };
-
 /** The shift of a frame in pixels, from -0.5 to 0.5. The first frame has none [Roberts 2018]. */
 const shift = ( frame, step ) => ( frame * step + 0.5 ) % 1 - 0.5;
 

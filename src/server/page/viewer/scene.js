@@ -45,18 +45,14 @@ export const LIGHT_SHAPES = {
 
 /** Pictures on rectangular lights: name in a link, and label. Opened files are not in this list. */
 export const PICTURES = { '': 'one colour', signs: 'a picture', disc: 'a video' };
-
 /** The sides that emit: name in a link, and label. */
 export const LIT_SIDES = { '': 'the front', both: 'both sides' };
 /** Whether a light has two sides, and can turn. */
 export const isFlat = ( { shape } ) => ! [ 'sphere', 'tube', 'line' ].includes( shape );
-
 /** Whether a light shows a picture. */
 export const isPictured = ( { shape, picture } ) => shape === 'rectangle' && picture !== '';
-
 /** Reflectances at normal incidence, linear sRGB. Sheen is always `white`. */
 export const METALS = { silver: [ 0.91, 0.92, 0.92 ], gold: [ 1, 0.71, 0.29 ], copper: [ 0.95, 0.64, 0.54 ], plastic: [ 0.04, 0.04, 0.04 ], white: [ 1, 1, 1 ] };
-
 /** Diffuse colours of the materials that have one. */
 export const DIFFUSE = { plastic: [ 0.05, 0.12, 0.4 ] };
 
@@ -71,19 +67,15 @@ export const CHOICES = {
 
 /** Largest number of pixels per side. */
 export const MOST_PIXELS = 1440;
-
 /** Parameters that only links have: pixels per side, where 0 stands for those of the screen, and samples of a finished truth. */
 const FIXED = [ { name: 'size', min: 64, max: MOST_PIXELS, step: 1, value: 0 }, { name: 'spp', min: 2, max: 4096, step: 2, value: 1024 } ];
-
 /** The angle of view from edge to edge in radians, as in the scene `sphere` of previews. */
 const FIELD_OF_VIEW = 0.5;
-
 export const dot = ( a, b ) => a[ 0 ] * b[ 0 ] + a[ 1 ] * b[ 1 ] + a[ 2 ] * b[ 2 ];
 const cross = ( a, b ) => [ a[ 1 ] * b[ 2 ] - a[ 2 ] * b[ 1 ], a[ 2 ] * b[ 0 ] - a[ 0 ] * b[ 2 ], a[ 0 ] * b[ 1 ] - a[ 1 ] * b[ 0 ] ];
 export const scaled = ( v, by ) => v.map( ( x ) => x * by );
 export const plus = ( ...vectors ) => vectors.reduce( ( a, b ) => a.map( ( x, i ) => x + b[ i ] ) );
 export const unit = ( v, otherwise ) => dot( v, v ) > 1e-24 ? scaled( v, 1 / Math.sqrt( dot( v, v ) ) ) : otherwise;
-
 /** The name of a light's parameter in a link. */
 const named = ( i, name ) => `light${ i ? i + 1 : '' }_${ name }`;
 

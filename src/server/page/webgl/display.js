@@ -78,8 +78,8 @@ void main() {
 }`;
 
 /**
- * Errors of both sides against the truth, one texel for each block of pixels. The sign of an error comes from one half of the truth,
- * and its amount from the other half, so noise adds nothing to the mean.
+ * Errors of both sides against the truth, one texel for each block of pixels. A block consists of tiles of 4 x 4 pixels. The sign of
+ * the mean error of a tile comes from one half of the truth, and its amount from the other half, so noise adds nothing.
  */
 export const ERRORS_SHADER = `${ HEAD }${ SIDES }
 uniform sampler2D surface_position;
@@ -90,24 +90,30 @@ layout( location = 0 ) out vec4 sums;
 /** Largest error of the left and of the right side, sum of the squared noise, largest difference of both sides. */
 layout( location = 1 ) out vec4 others;
 
-vec2 error_of( float value, float even, float odd ) {
-	vec2 off = value - vec2( even, odd );
-	return vec2( 0.5 * dot( sign( off ), off.yx ), off.x * off.y > 0.0 ? min( abs( off.x ), abs( off.y ) ) : 0.0 );
-}
+/** The mean and the least amount of an error, from its means with both halves of the truth. */
+vec2 error_of( vec2 off ) { return vec2( 0.5 * dot( sign( off ), off.yx ), off.x * off.y > 0.0 ? min( abs( off.x ), abs( off.y ) ) : 0.0 ); }
 
 void main() {
 	sums = others = vec4( 0.0 );
-	ivec2 start = ivec2( gl_FragCoord.xy ) * block;
-	for ( int y = start.y; y < min( start.y + block, size ); y ++ ) for ( int x = start.x; x < min( start.x + block, size ); x ++ ) {
-		ivec2 texel = ivec2( x, y );
-		vec4 left = left_of( texel ), right = right_of( texel );
-		// A pixel at an edge has the light of several surfaces.
-		if ( left.w < 0.999 || number >= 0 && int( texelFetch( surface_position, texel, 0 ).w ) != 1 + number ) continue;
-		float even = mean( texelFetch( even_sum, texel, 0 ) ) * 2.0 * truth_weight, odd = mean( texelFetch( odd_sum, texel, 0 ) ) * 2.0 * truth_weight;
-		vec2 of_left = error_of( mean( left ), even, odd ), of_right = has_right != 0 ? error_of( mean( right ), even, odd ) : vec2( 0.0 );
-		sums += vec4( 1.0, 0.5 * ( even + odd ), of_left.x, of_right.x );
+	ivec2 start = ivec2( gl_FragCoord.xy ) * block, end = min( start + block, size );
+	for ( int v = start.y; v < end.y; v += 4 ) for ( int u = start.x; u < end.x; u += 4 ) {
+		float count = 0.0;
+		vec4 tile = vec4( 0.0 );
+		for ( int y = v; y < min( v + 4, end.y ); y ++ ) for ( int x = u; x < min( u + 4, end.x ); x ++ ) {
+			ivec2 texel = ivec2( x, y );
+			vec4 left = left_of( texel );
+			// A pixel at an edge has the light of several surfaces.
+			if ( left.w < 0.999 || number >= 0 && int( texelFetch( surface_position, texel, 0 ).w ) != 1 + number ) continue;
+			vec2 truth = vec2( mean( texelFetch( even_sum, texel, 0 ) ), mean( texelFetch( odd_sum, texel, 0 ) ) ) * 2.0 * truth_weight;
+			tile += vec4( mean( left ), has_right != 0 ? mean( right_of( texel ) ) : 0.0, truth );
+			others.z += 0.25 * ( truth.x - truth.y ) * ( truth.x - truth.y );
+			count += 1.0;
+		}
+		if ( count == 0.0 ) continue;
+		tile /= count;
+		vec2 of_left = error_of( tile.x - tile.zw ), of_right = has_right != 0 ? error_of( tile.y - tile.zw ) : vec2( 0.0 );
+		sums += count * vec4( 1.0, 0.5 * ( tile.z + tile.w ), of_left.x, of_right.x );
 		others.xy = max( others.xy, vec2( of_left.y, of_right.y ) );
-		others.z += 0.25 * ( even - odd ) * ( even - odd );
-		others.w = max( others.w, has_right != 0 ? abs( mean( left ) - mean( right ) ) : of_left.y );
+		others.w = max( others.w, has_right != 0 ? abs( tile.x - tile.y ) : of_left.y );
 	}
 }`;

@@ -67,10 +67,8 @@ float visibility( float alpha, float o, float i ) { return 1.0 / ( 4.0 * o * i *
 `;
 
 const NEUBELT = 'float visibility( float alpha, float o, float i ) { return 0.25 / ( o + i - o * i ); }';
-
 /** The scattering models that the reference supports. */
 const BRDFS = { ggx: GGX, charlie: sheen( ESTEVEZ ), charlie_neubelt: sheen( NEUBELT ) };
-
 /** Whether the reference supports a scattering model. */
 export const hasReference = ( brdf ) => Object.hasOwn( BRDFS, brdf );
 
