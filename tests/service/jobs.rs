@@ -44,6 +44,10 @@ fn a_recipe_becomes_a_table_under_its_hash() {
     let tables = server.get("/v1/tables").with_status(200).json();
     assert_eq!(tables["items"][0]["digest"], done["table"]);
     assert_eq!(tables["items"][0]["bytes"], file.body.len());
+    // The list has the figures that a list of tables shows.
+    let (listed, between) = (&tables["items"][0], &manifest["report"]["between"]);
+    assert_eq!((&listed["recipe"], &listed["errors"]["light"]), (&job["recipe"], &between["light"]["mean"]));
+    assert_eq!(listed["errors"]["width"], between["width"]["mean"]);
 }
 
 /// Responses that contain a list of materials also agree with `openapi.yaml`.

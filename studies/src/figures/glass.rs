@@ -68,17 +68,21 @@ pub(super) fn draw(side: u32, samples: usize) -> FrostedGlass {
         .iter()
         .map(|[x, y]| if x == y { format!("alpha {x}") } else { format!("alpha {x} across, {y} up") })
         .collect();
+    let differences: Vec<String> = surfaces
+        .iter()
+        .map(|of| {
+            let [error, mean] = [of.mean_absolute_error, of.mean_radiance].map(|x| number(x as f32));
+            format!("difference, mean {error} of {mean}")
+        })
+        .collect();
     let mut panels = Vec::new();
-    for (row, title) in rows.into_iter().zip(&titles) {
-        let GlassError { mean_radiance, mean_absolute_error } = row.error;
-        let [error, mean] = [mean_absolute_error, mean_radiance].map(|x| number(x as f32));
-        let [long, short] = [format!("mean {error} of {mean}"), error];
+    for ((row, title), apart) in rows.into_iter().zip(&titles).zip(&differences) {
         let [found, wanted, difference] = row.pictures;
         panels.push(Panel { title, picture: found, foot: caption(side, &["closed form"]) });
         let by = format!("{samples} normals a pixel");
         panels.push(Panel { title: "Monte Carlo", picture: wanted, foot: caption(side, &[&by]) });
-        let foot = bar(side, |x| signed_colour(2.0 * x - 1.0), ["-0.01", "0.01"], &[&long, &short]);
-        panels.push(Panel { title: "difference", picture: difference, foot });
+        let foot = bar(side, |x| signed_colour(2.0 * x - 1.0), ["-0.01", "0.01"], &["radiance"]);
+        panels.push(Panel { title: apart, picture: difference, foot });
     }
     let heading = format!("Lamps in glass with a rough surface, index {ETA}, seen from air");
     let picture = headed(&[&[&heading, "Lamps in rough glass"]], &grid(&panels, 3));

@@ -36,7 +36,7 @@ export function planned( show, signal ) {
 	const label = () => files.textContent = `Files for ${ engine[ 1 ] }`;
 	label();
 	const root = el( 'fieldset', { class: 'scene', hidden: true }, el( 'legend', {}, 'This scene' ), status, words, models,
-		el( 'div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Materials' }, el( 'table', { class: 'figures' }, el( 'thead', {}, el( 'tr', {}, [ 'Material', 'roughness', 'mean error' ].map( ( name, i ) => el( 'th', { scope: 'col', class: i ? 'number' : null }, name ) ) ) ), materials ) ),
+		el( 'div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Materials' }, el( 'table', { class: 'figures' }, el( 'thead', {}, el( 'tr', {}, [ 'Material', 'roughness', 'plan', 'mean error' ].map( ( name, i ) => el( 'th', { scope: 'col', class: i ? 'number' : null }, name ) ) ) ), materials ) ),
 		engines.row, el( 'div', {}, files ) );
 
 	/** Shows what the page does, with the seconds since it began, or the progress from 0 to 1. */
@@ -54,13 +54,11 @@ export function planned( show, signal ) {
 	}
 	const failed = ( error ) => signal.aborted || idle( notice( error.message ), ( error.document?.errors ?? [] ).map( ( { pointer, detail } ) => muted( `${ pointer }: ${ detail }` ) ) );
 	signal.addEventListener( 'abort', () => clearInterval( timer ) );
-
 	/** The table of a recipe. Shows the progress of its job. */
 	const tableOf = ( recipe ) => fitted( recipe, signal, ( { progress: { entries_done: done, entries_total: all } } ) => busy( 'Fitting the table…', done / all ) );
 
 	async function fit() {
 		const own = turn;
-		busy( 'Fitting the table…', 0 );
 		const found = await tableOf( ownRecipe( plan.recipe ) );
 		if ( own !== turn ) return;
 		digest = found;
@@ -100,11 +98,11 @@ export function planned( show, signal ) {
 			fill( words );
 			offer();
 			rows = meshes.map( ( { name, material } ) => {
-				const error = el( 'td', { class: 'number' }, '–' );
+				const [ use, error ] = [ el( 'td', { class: 'number' }, '–' ), el( 'td', { class: 'number' }, '–' ) ];
 				const swatch = el( 'span', { class: 'swatch', 'aria-hidden': 'true' } );
 				swatch.style.background = `rgb(${ material.factors.base.map( srgb ) })`;
 				const { alpha_x: x, alpha_y: y } = material;
-				return { error, row: el( 'tr', {}, el( 'th', { scope: 'row' }, swatch, name ), el( 'td', { class: 'number' }, x === y ? number( x ) : `${ number( x ) }, ${ number( y ) }` ), error ) };
+				return { name, use, error, row: el( 'tr', {}, el( 'th', { scope: 'row' }, swatch, name ), el( 'td', { class: 'number' }, x === y ? number( x ) : `${ number( x ) }, ${ number( y ) }` ), use, error ) };
 			} );
 			fill( materials, rows.map( ( { row } ) => row ) );
 			busy( 'Planning the best table for this scene…' );
@@ -112,7 +110,12 @@ export function planned( show, signal ) {
 				const { summary, plan: answer } = await call( '/v1/plans', { method: 'POST', raw: file, type: 'model/gltf-binary', signal } );
 				if ( own !== turn || signal.aborted ) return;
 				plan = answer.tables[ 0 ] && { ...answer.tables[ 0 ], summary };
-				fill( words, summary.slice( 0, 2 ).map( ( line ) => el( 'p', {}, line ) ), summary.length > 2 && el( 'details', {}, el( 'summary', {}, 'More about the plan' ), el( 'div', {}, summary.slice( 2 ).map( ( line ) => muted( line ) ) ) ), answer.scene.materials.filter( ( { not_covered } ) => not_covered?.length ).map( ( { name, not_covered } ) => muted( `${ name }: no table covers ${ not_covered.map( ( part ) => part.kind ?? part ).join( ', ' ) }` ) ) );
+				fill( words, el( 'p', {}, summary[ 0 ] ), summary.length > 1 && el( 'details', {}, el( 'summary', {}, 'More about the plan' ), el( 'div', {}, summary.slice( 1 ).map( ( line ) => muted( line ) ) ) ), answer.scene.materials.filter( ( { not_covered } ) => not_covered?.length ).map( ( { name, not_covered } ) => muted( `${ name }: no table covers ${ not_covered.map( ( part ) => part.kind ?? part ).join( ', ' ) }` ) ) );
+				// A plan has the errors of light by the table, by the engine's table, and by the closed form.
+				for ( const { material, light: [ table, , closed ] } of plan?.materials ?? [] ) {
+					const best = closed !== null && closed < ( table ?? Infinity ) ? 'closed form' : 'table';
+					for ( const { name, use } of rows ) if ( name === answer.scene.materials[ material ].name ) use.textContent = best;
+				}
 				idle();
 				offer();
 				if ( plan && plan.predicted.seconds <= AT_ONCE ) await fit();
