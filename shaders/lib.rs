@@ -108,6 +108,10 @@ pub const PREVIEW_LOBES: &str = include_str!("preview_lobes.wgsl");
 pub const PREVIEW_TEXTURED: &str = include_str!("preview_textured.wgsl");
 /// `reference_solids.wgsl`.
 pub const REFERENCE_SOLIDS: &str = include_str!("reference_solids.wgsl");
+/// `sampler.wgsl`.
+pub const SAMPLER: &str = include_str!("sampler.wgsl");
+/// `sampler_polygon.wgsl`.
+pub const SAMPLER_POLYGON: &str = include_str!("sampler_polygon.wgsl");
 /// `sphere.wgsl`.
 pub const SPHERE: &str = include_str!("sphere.wgsl");
 /// `texels_array.wgsl`.

@@ -14,8 +14,8 @@ use super::service::ServiceCommand;
 use super::{
     diff::DiffArgs, export::ExportArgs, fit::FitArgs, jobs::JobsArgs, light_args::LightArgs,
     light_texture::LightTextureArgs, lock::LockArgs, lookup::LookupArgs, plan::PlanArgs, plot::PlotArgs,
-    preview::PreviewArgs, pull::PullArgs, report::ReportArgs, shader::ShaderArgs, tabulated::TabulateArgs,
-    tradeoff::TradeoffArgs, verify::VerifyArgs,
+    preview::PreviewArgs, pull::PullArgs, report::ReportArgs, sample::SampleArgs, shader::ShaderArgs,
+    tabulated::TabulateArgs, tradeoff::TradeoffArgs, verify::VerifyArgs,
 };
 
 /// Lookup tables (LTC) and closed forms for area lights on GGX materials.
@@ -39,7 +39,7 @@ const EXIT_CODES: &str = "Exit codes: 0 ok, 1 failed, 2 usage, 3 verification mi
 /// The commands by subject, as the help lists them.
 const GROUPS: [(&str, &[&str]); 6] = [
     ("Tables", &["fit", "report", "diff", "tradeoff", "lookup", "export", "tabulate"]),
-    ("Lights and pictures", &["light", "shader", "light-texture", "preview", "plot"]),
+    ("Lights and pictures", &["light", "sample", "shader", "light-texture", "preview", "plot"]),
     ("Scenes", &["plan"]),
     ("Service", &["serve", "work", "jobs", "token"]),
     ("CI", &["lock", "pull", "verify"]),
@@ -113,6 +113,8 @@ pub enum Command {
     Lookup(LookupArgs),
     /// Print the light that surfaces reflect from area lights, as CSV
     Light(LightArgs),
+    /// Draw directions to area lights where surfaces reflect them, as CSV
+    Sample(SampleArgs),
     /// Prefilter a picture for a textured light: a pyramid of blurred levels
     LightTexture(LightTextureArgs),
     /// Measure the error of a table

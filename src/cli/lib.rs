@@ -22,6 +22,7 @@ mod light_texture;
 mod lock;
 mod lookup;
 mod lut;
+mod occluders;
 mod out_of_range;
 mod output;
 mod pins;
@@ -33,6 +34,7 @@ mod progress;
 mod pull;
 mod report;
 mod run;
+mod sample;
 mod server_args;
 #[cfg(unix)]
 mod service;

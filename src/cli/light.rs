@@ -4,13 +4,16 @@ use serde_json::{Map, Value, json};
 
 use super::{
     AnyTable, CommandFailure, Context, CsvLines, Exit, LineFailure, Rows, clamped, file_failure, light_args::LightArgs,
-    light_case::CaseFormat, light_picture::Picture, tabulated, usage,
+    light_case::CaseFormat, light_picture::Picture, occluders, tabulated, usage,
 };
 use ltcforge_fit::{BrdfKind, Table, brdf::f82_light};
 use ltcforge_light::{
-    AnisotropicRoughness, LightError, LightModel, Lighting, ReflectedLight, TRUTH_TOLERANCE, TableUse,
+    AnisotropicRoughness, AnyLight, LightError, LightModel, LightShape, Lighting, ReflectedLight, TRUTH_TOLERANCE,
+    TableUse,
     albedo::{compensation, sampled},
-    edge_truth_of, truth_of,
+    edge_truth_of,
+    shadow::shadowed,
+    truth_of,
 };
 
 /// Prints the reflected light of each line as soon as the line is read.
@@ -22,6 +25,7 @@ pub(super) fn run(args: &LightArgs, context: &mut Context<'_>) -> Result<Exit, C
     let lighting = lighting.or(formula).ok_or_else(|| usage(LightError::NeedsTable(args.model)))?;
     let brdf = table.map_or(BrdfKind::Ggx.into(), |table| table.model().clone());
     let mut picture = Picture::of(args, &brdf)?;
+    let occluders = args.occluders.as_deref().map(occluders::read).transpose()?;
     let lines = CsvLines::open(&args.cases, "lights")?;
     if let Some(material) = args.material
         && material != material.within_bounds()
@@ -36,7 +40,7 @@ pub(super) fn run(args: &LightArgs, context: &mut Context<'_>) -> Result<Exit, C
     let mut known = |found: Result<Vec<f64>, LightError>| match found {
         Err(error @ (LightError::NotConverged { .. } | LightError::Singular)) => {
             unknown.push(error);
-            Ok(vec![f64::NAN; columns.len() / (1 + usize::from(args.truth))])
+            Ok(vec![f64::NAN; (columns.len() - shadow_columns(args).len()) / (1 + usize::from(args.truth))])
         }
         found => found.map_err(|error| LineFailure::Line(error.to_string())),
     };
@@ -71,6 +75,12 @@ pub(super) fn run(args: &LightArgs, context: &mut Context<'_>) -> Result<Exit, C
             if args.truth {
                 numbers.extend(known(by_truth())?);
             }
+            if let (Some(occluders), AnyLight::Polygon(light)) = (&occluders, light) {
+                let found = truth_of(&brdf, TRUTH_TOLERANCE, &at, light)
+                    .and_then(|whole| shadowed(&brdf, &at, light, whole, occluders, SHADOW_DRAWS));
+                let found = found.map_err(|error| LineFailure::Line(error.to_string()))?;
+                numbers.extend([found.energy, found.fresnel]);
+            }
             let clamped = chosen.as_ref().map(|AnyTable { table, origin, .. }| clamped(&at, table, origin.range()));
             // Each number has the fewest digits that parse to the same f64. Unknown numbers are empty.
             let text = |number: &f64| if number.is_nan() { String::new() } else { number.to_string() };
@@ -91,7 +101,16 @@ fn columns(args: &LightArgs) -> Vec<String> {
     let channels: &[_] = if args.texture.is_some() { &["red", "green", "blue"] } else { &[] };
     let names = [&["energy", "fresnel"], reflected, channels].concat();
     let prefixes: &[_] = if args.truth { &["", "true_"] } else { &[""] };
-    prefixes.iter().flat_map(|prefix| names.iter().map(move |name| format!("{prefix}{name}"))).collect()
+    let columns = prefixes.iter().flat_map(|prefix| names.iter().map(move |name| format!("{prefix}{name}")));
+    columns.chain(shadow_columns(args).iter().map(|name| (*name).to_owned())).collect()
+}
+
+/// Draws per light with occluders. The error is about 1e-4 of the light.
+const SHADOW_DRAWS: u32 = 1 << 16;
+
+/// The last columns of a row.
+fn shadow_columns(args: &LightArgs) -> &'static [&'static str] {
+    if args.occluders.is_some() { &["shadowed_energy", "shadowed_fresnel"] } else { &[] }
 }
 
 /// Functions that evaluate a light, by a model or by quadrature.
@@ -166,6 +185,8 @@ fn option_faults(args: &LightArgs) -> Vec<String> {
         (args.table.is_none() && model.needs_table()).then(|| LightError::NeedsTable(model).to_string()),
         (args.rule.is_some() && model.rule_choices().is_empty())
             .then(|| format!("--rule is only for model {ruled}, not for {model}: leave it out")),
+        (args.occluders.is_some() && args.light != LightShape::Polygon)
+            .then(|| format!("--occluders is only for polygons, not for a {}: leave it out", args.light)),
         (args.cut && !model.is_of_ltcs())
             .then(|| format!("--cut is only for models ltc and ltc-formula, not for {model}: leave it out")),
     ];

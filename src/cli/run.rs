@@ -5,7 +5,7 @@ use serde_json::json;
 
 use super::{
     Cli, Command, CommandFailure, ConfigFile, Context, DEFAULT_SERVER, Exit, Sources, diff, export, fit, jobs, light,
-    light_texture, lock, lookup, plan, plot, preview, pull, report, shader, tabulated, tradeoff, verify,
+    light_texture, lock, lookup, plan, plot, preview, pull, report, sample, shader, tabulated, tradeoff, verify,
 };
 use ltcforge_client::Client;
 
@@ -22,6 +22,7 @@ pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, CommandFailure> 
         Command::Fit(args) => fit::run(&args, context),
         Command::Lookup(args) => lookup::run(&args, context),
         Command::Light(args) => light::run(&args, context),
+        Command::Sample(args) => sample::run(&args, context),
         Command::LightTexture(args) => light_texture::run(&args, context),
         Command::Report(args) => report::run(&args, context),
         Command::Preview(args) => preview::run(&args, context),

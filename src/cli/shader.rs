@@ -12,7 +12,9 @@ use ltcforge_shaders::{
     Additions, Bound, DECLARATIONS, Filter, GivenAxes, Language, Lights, LitBy, Namespace, Prefix, Reading, es_module,
 };
 use ltcforge_textures::About;
-use ltcforge_translate::{include, include_function, include_given, include_layers, include_prefilter, port};
+use ltcforge_translate::{
+    include, include_function, include_given, include_layers, include_prefilter, include_samplers, port,
+};
 
 /// `shader`.
 #[derive(Debug, Args)]
@@ -102,6 +104,8 @@ pub enum ShaderForm {
     Layers,
     /// Functions that prefilter a picture on a light, pass by pass
     Prefilter,
+    /// Functions that draw directions to lights, for shadows
+    Samplers,
 }
 
 /// Configurations at which a table and its polynomials are measured: enough that a single one hardly changes the mean.
@@ -160,6 +164,7 @@ fn made(args: &ShaderArgs, lit_by: Option<LitBy>) -> Result<(Vec<u8>, Value), Co
     let text = match (args.form, lit_by) {
         (ShaderForm::Layers, _) => include_layers(language).map_err(usage)?,
         (ShaderForm::Prefilter, _) => include_prefilter(language).map_err(usage)?,
+        (ShaderForm::Samplers, _) => include_samplers(language).map_err(usage)?,
         (form, Some(lit_by)) => {
             let value = json!({
                 "language": language.name(), "model": lit_by.model(), "rule": lit_by.rule(), "layout": lit_by.layout()
@@ -275,7 +280,7 @@ fn refusal(args: &ShaderArgs) -> Option<String> {
     ];
     let mut given = options.iter().filter(|(_, is_given, _)| *is_given);
     match form {
-        ShaderForm::Layers | ShaderForm::Prefilter => {
+        ShaderForm::Layers | ShaderForm::Prefilter | ShaderForm::Samplers => {
             let given: Vec<&str> = given.map(|(name, ..)| *name).collect();
             return (!given.is_empty())
                 .then(|| format!("this form does not depend on a model: leave out {}", given.join(", ")));

@@ -101,6 +101,11 @@ const COSTS: &[(&str, [u32; 3])] = &[
     ("normals fast, textured 4", [80, 1769, 2641]),
     ("normals fine, textured 4", [80, 2879, 4304]),
     ("ltc reflected, textured 4", [64, 1147, 1916]),
+    ("sampler of normals", [56, 764, 1459]),
+    ("sampler of normals, a draw", [48, 903, 1712]),
+    ("sampler of normals, two draws", [48, 1063, 2015]),
+    ("sampler of normals, a density", [56, 720, 1375]),
+    ("sampler of a matrix, a draw", [48, 557, 1032]),
     ("ltc2017, clipless", [40, 311, 548]),
     ("ltc2017, stretched", [40, 328, 588]),
     ("kt2022, its own", [48, 713, 833]),
@@ -130,6 +135,15 @@ impl GpuCost {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn samplers_cost_less_than_the_light_of_their_rectangle() {
+        let of = |name: &str| GpuCost::of(name).unwrap_or_else(|| panic!("no row {name}"));
+        let [set_up, one, two] = ["", ", a draw", ", two draws"].map(|draws| of(&format!("sampler of normals{draws}")));
+        assert!(set_up.instructions <= 900 && set_up.registers <= 64, "{set_up:?}");
+        assert!(two.instructions - one.instructions <= 170, "{one:?} {two:?}");
+        assert!(one.instructions < of("normals balanced").instructions);
+    }
 
     /// The extra cost of four texture reads, compared with a rectangle without a picture, as in docs/textured.md.
     #[test]

@@ -19,7 +19,7 @@ pub struct Shader {
 }
 
 /// Every shader except the parts of layouts. Each shader follows the shaders that it needs.
-pub const SHADERS: [Shader; 53] = [
+pub const SHADERS: [Shader; 55] = [
     Shader { name: "ltc_math", source: ltcforge_wgsl::LTC_MATH },
     Shader { name: "ltc_quadrant", source: ltcforge_wgsl::LTC_QUADRANT },
     Shader { name: "texels_volumes", source: ltcforge_wgsl::TEXELS_VOLUMES },
@@ -57,6 +57,8 @@ pub const SHADERS: [Shader; 53] = [
     Shader { name: "ltc_textured", source: ltcforge_wgsl::LTC_TEXTURED },
     Shader { name: "normals_textured", source: ltcforge_wgsl::NORMALS_TEXTURED },
     Shader { name: "layers", source: ltcforge_wgsl::LAYERS },
+    Shader { name: "sampler", source: ltcforge_wgsl::SAMPLER },
+    Shader { name: "sampler_polygon", source: ltcforge_wgsl::SAMPLER_POLYGON },
     Shader { name: "prefilter", source: ltcforge_wgsl::PREFILTER },
     Shader { name: "ltc_formula_compensation", source: ltcforge_wgsl::LTC_FORMULA_COMPENSATION },
     Shader { name: "normals_compensation", source: ltcforge_wgsl::NORMALS_COMPENSATION },

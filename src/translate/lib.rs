@@ -14,6 +14,7 @@ mod layers;
 mod port;
 mod prefilter;
 mod printer;
+mod samplers;
 #[cfg(test)]
 mod tests;
 mod translation;
@@ -25,3 +26,4 @@ pub use include::{include, include_given};
 pub use layers::include_layers;
 pub use port::port;
 pub use prefilter::include_prefilter;
+pub use samplers::include_samplers;

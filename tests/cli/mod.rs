@@ -19,6 +19,7 @@ mod project;
 mod pull;
 mod readme;
 mod same_bytes;
+mod sampling;
 mod scenes;
 mod service;
 mod tables;

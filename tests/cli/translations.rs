@@ -10,7 +10,7 @@ use std::{
 use crate::common::{command::run, report_skipped};
 
 /// The result of a program from a Debian package on a file. `None` if it is not installed.
-fn checked(package: &str, program: &str, args: &[&str], folder: &Path) -> Option<Output> {
+pub(super) fn checked(package: &str, program: &str, args: &[&str], folder: &Path) -> Option<Output> {
     match Command::new(program).args(args).current_dir(folder).output() {
         Ok(output) => Some(output),
         Err(error) if error.kind() == ErrorKind::NotFound => {
@@ -22,7 +22,7 @@ fn checked(package: &str, program: &str, args: &[&str], folder: &Path) -> Option
 }
 
 #[track_caller]
-fn assert_sound(output: &Output) {
+pub(super) fn assert_sound(output: &Output) {
     let texts = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
     assert!(output.status.success(), "{texts:?}");
 }

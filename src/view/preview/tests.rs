@@ -13,6 +13,7 @@ mod polygons;
 mod ported;
 mod prefilter;
 mod printed;
+mod samplers;
 mod shapes;
 mod textured;
 mod textured_cut;

@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 use ltcforge::{
     fit::Layout,
     light::{LightModel, NormalsRule, engines::EngineWay, textured::Readings},
-    shaders::{Additions, Lights, LitBy, Reading, functions, joined},
+    shaders::{Additions, Lights, LitBy, Reading, functions, joined, samplers},
 };
 use ltcforge_driver::{Driver, DriverError, Figures, Resource};
 use naga::{
@@ -84,6 +84,7 @@ pub(crate) fn programs() -> Vec<Program> {
         .chain(compensated())
         .chain(layered())
         .chain(textured())
+        .chain(sampled())
         .chain(ways)
         .collect()
 }
@@ -174,6 +175,35 @@ fn textured() -> impl Iterator<Item = Program> {
     let others = normals.skip(1).chain([LitBy::from(Layout::Reflected)]).map(|lit_by| (lit_by, Readings::Four));
     first.chain(others).filter_map(|(lit_by, number)| {
         Some(of_text(lit_by.with(Additions { textured: Some(number), ..Additions::default() }).ok()?))
+    })
+}
+
+/// Samplers of a rectangle: the set-up alone, with one and with two draws, and with a density.
+fn sampled() -> impl Iterator<Item = Program> {
+    let first = "let drawn = sampler_draw(rectangle, local.wo.xy);\n    return vec4(drawn.wi, drawn.pdf);";
+    let second = "let drawn = sampler_draw(rectangle, local.wo.xy);\n    let again = sampler_draw(rectangle, local.wo.yx);\n    \
+                  return vec4(drawn.wi + again.wi, drawn.pdf + again.pdf);";
+    let density = "return vec4(sampler_pdf(rectangle, local.wo));";
+    let normals = "sampler_normals(alpha.x, alpha.y, local.wo, local.corners, false)";
+    let set_up = "return vec4(rectangle.scale * rectangle.map.back[0] + rectangle.map.back[1] + rectangle.map.back[2]
+        + rectangle.g + rectangle.h + rectangle.d + rectangle.e + rectangle.f + rectangle.halves, rectangle.total);";
+    let calls = [
+        ("sampler of normals", normals, set_up),
+        ("sampler of normals, a draw", normals, first),
+        ("sampler of normals, two draws", normals, second),
+        ("sampler of normals, a density", normals, density),
+        // The compiler cannot know this matrix.
+        (
+            "sampler of a matrix, a draw",
+            "sampler_ltc(mat3x3(light.corners[0].xyw, light.corners[1].xyw, light.corners[2].xyw), local.corners, false)",
+            first,
+        ),
+    ];
+    calls.into_iter().map(|(name, from, of)| {
+        let lit = format!(
+            "fn lit(alpha: vec2<f32>, local: Local) -> vec4<f32> {{\n    let rectangle = {from};\n    {of}\n}}\n"
+        );
+        program(name.to_owned(), &[&samplers(), &lit], None)
     })
 }
 

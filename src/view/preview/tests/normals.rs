@@ -49,7 +49,7 @@ fn polygons(@builtin(local_invocation_index) index: u32) {
 ";
 
 /// Random lights, and the same number of walls: on the surface, above it, or partly below it.
-fn lights(roughness: Roughness) -> Vec<Lit> {
+pub(super) fn lights(roughness: Roughness) -> Vec<Lit> {
     let mut draw = Draw::new(91);
     let mut lights = Draw::many(92, 10 * 256, roughness);
     for _ in 0..5 * 256 {
@@ -61,7 +61,7 @@ fn lights(roughness: Roughness) -> Vec<Lit> {
 }
 
 /// Replaces each rectangle by a polygon with 3 to 8 corners on the ellipse within it.
-fn rounded(lights: Vec<Lit>) -> Vec<Lit> {
+pub(super) fn rounded(lights: Vec<Lit>) -> Vec<Lit> {
     let of = |(i, lit): (usize, Lit)| {
         let [a, b, c, d] = lit.vertices[..] else { panic!("a rectangle") };
         let (middle, x, y) = ((a + b + c + d) * 0.25, (b - a) * 0.5, (d - a) * 0.5);
@@ -76,19 +76,19 @@ fn rounded(lights: Vec<Lit>) -> Vec<Lit> {
 }
 
 /// A light, rounded to 32 bits.
-struct Single {
-    wo: Vec3,
-    alpha: [f32; 2],
-    corners: Vec<Vec3>,
+pub(super) struct Single {
+    pub(super) wo: Vec3,
+    pub(super) alpha: [f32; 2],
+    pub(super) corners: Vec<Vec3>,
 }
 
 impl Single {
-    fn of(lit: &Lit) -> Self {
+    pub(super) fn of(lit: &Lit) -> Self {
         let corners = lit.vertices.iter().map(|v| v.as_vec3()).collect();
         Self { wo: lit.wo().as_vec3(), alpha: lit.alpha().map(|x| x as f32), corners }
     }
 
-    fn words(&self) -> [f32; 40] {
+    pub(super) fn words(&self) -> [f32; 40] {
         let mut words = [0.0; 40];
         words[..3].copy_from_slice(&self.wo.to_array());
         words[3..5].copy_from_slice(&self.alpha);
