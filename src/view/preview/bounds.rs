@@ -19,6 +19,9 @@ pub enum SceneFault {
         /// The greatest allowed value.
         high: f64,
     },
+    /// Mode `shadows` shows another shape of light than a polygon.
+    #[error("light must be a polygon in mode shadows, got {0}")]
+    Shadows(&'static str),
     /// The light cannot have a picture.
     #[error("light_picture {0}")]
     Picture(#[from] PictureFault),
@@ -43,6 +46,7 @@ impl SceneFault {
     pub(super) fn named(&self) -> (&str, String) {
         match self {
             Self::Bounds { field, value, low, high } => (field, format!("must be {low} to {high}, got {value}")),
+            Self::Shadows(shape) => ("light", format!("must be a polygon in mode shadows, got {shape}")),
             Self::Picture(fault) => ("light_picture", fault.to_string()),
         }
     }
@@ -68,6 +72,10 @@ impl Scene {
         for (field, [low, high], numbers) in counts.into_iter().chain(parameters) {
             let outside = numbers.into_iter().filter(|value| !(low..=high).contains(value));
             faults.extend(outside.map(|value| SceneFault::Bounds { field: field.to_owned(), value, low, high }));
+        }
+        let has_corners = matches!(self.light.kind, LightKind::Rectangle | LightKind::Polygon(_));
+        if self.mode == Mode::Shadows && !has_corners {
+            faults.push(SceneFault::Shadows(self.light.kind.name()));
         }
         faults.extend(self.picture_faults().into_iter().map(SceneFault::from));
         faults

@@ -4,7 +4,7 @@ use super::{
     Material, Mode, PanelError, Scene, ShaderTable, cpu,
     frame::Frame,
     radiances::{BELOW, BESIDE, Radiances},
-    tone,
+    shadows, tone,
 };
 use crate::picture::{
     Panel, Picture, bar, beside, caption, colour, cross, fitting, grid, headed, number, ring, tag, tag_fits,
@@ -123,6 +123,23 @@ impl Composer<'_> {
             columns.push(grid_of(vec![shown, self.apart(*model, radiances, reference, &own)], 1));
         }
         beside(&columns)
+    }
+
+    /// The picture of mode `shadows`: each panel with its error.
+    pub(super) fn shadows(&self, panels: &[Radiances; 4]) -> Picture {
+        let titled = |(index, [title, short]): (usize, [&str; 2])| {
+            let panel = &panels[index];
+            let width = panel.width;
+            let [error, mean] = shadows::error(panel, &panels[0]);
+            let foot = if index == 0 {
+                caption(width, &[&format!("{} samples, mean {}", self.scene.spp, number(mean)), ""])
+            } else {
+                caption(width, &[&format!("mean error {} of {}", number(error), number(mean)), &number(error)])
+            };
+            let title = fitting(&[title, short], width).to_owned();
+            Titled { title, picture: tone::displayed(self.scene.exposure as f32, panel), foot }
+        };
+        grid_of(shadows::TITLES.into_iter().enumerate().map(titled).collect(), 4)
     }
 
     fn truth(&self, reference: &Radiances) -> Titled {

@@ -24,6 +24,8 @@ impl Scene {
             Mode::Models => times * COMPARED.map(LightModel::cost).iter().sum::<u32>() + reference,
             Mode::Reference => reference,
             Mode::Difference | Mode::Strip => model + reference,
+            // The CPU shades in f64.
+            Mode::Shadows => 2 * (self.spp + 8),
             Mode::Lobe => 2 * LightModel::Ltc.cost(),
         };
         f64::from(self.size) * f64::from(self.size) * f64::from(of_a_pixel)

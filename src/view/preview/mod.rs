@@ -26,6 +26,7 @@ mod radiances;
 mod renderer;
 mod scene;
 mod scene_picture;
+mod shadows;
 mod table;
 mod tone;
 

@@ -1,6 +1,6 @@
 //! Named scenes.
 
-use super::{Camera, Light, LightKind, Material, Scene, ScenePicture, Surface};
+use super::{Camera, Light, LightKind, Material, Mode, Scene, ScenePicture, Surface};
 use ltcforge_fit::named_list;
 
 named_list! {
@@ -18,6 +18,8 @@ named_list! {
         Horizon = "horizon",
         /// A television with its picture, behind a brushed metal floor.
         Screen = "screen",
+        /// Balls and a box on a brushed metal floor, with shadows by few samples.
+        Shadows = "shadows",
     }
 }
 
@@ -57,6 +59,22 @@ impl NamedScene {
                     two_sided: true,
                     ..usual.light
                 },
+                ..usual
+            },
+            Self::Shadows => Scene {
+                surface: Surface::Floor,
+                materials: vec![Material { alpha_x: 0.1, alpha_y: 0.3, rotation: 0.0 }],
+                light: Light { centre: [0.0, 0.9, -2.6], half_size: [1.4, 0.7], ..usual.light },
+                camera: Camera {
+                    distance: 4.0,
+                    elevation: 0.3,
+                    field_of_view: 0.55,
+                    target: [0.0, 0.2, 0.0],
+                    ..usual.camera
+                },
+                mode: Mode::Shadows,
+                size: 256,
+                spp: 256,
                 ..usual
             },
             Self::Screen => Scene {

@@ -11,7 +11,7 @@ use super::{
     gpu::{Gpu, GpuFailure, RenderTask, Weights},
     panel_error::{PanelError, panel_errors},
     scene::COMPARED,
-    tone,
+    shadows, tone,
 };
 use crate::picture::Picture;
 use ltcforge_fit::{BrdfKind, BrdfModel, named_list};
@@ -100,7 +100,7 @@ impl Preview {
         if !scene_faults.is_empty() {
             return Err(PreviewError::Scene(scene_faults, faults));
         }
-        let is_for_cpu = self.check(table, scene, faults)?;
+        let is_for_cpu = self.check(table, scene, faults)? || scene.mode == Mode::Shadows;
         let scene = &*material_shown(&table.brdf, scene);
         let by_gpu = |gpu: &mut Gpu| attempt(Some(gpu), table, scene, stop);
         // One renderer makes the whole picture: if the GPU fails in the middle, the CPU starts again.
@@ -191,6 +191,11 @@ fn attempt(
                 lit.push((model, radiances));
             }
             composer.models(&lit, &reference, &errors)
+        }
+        Mode::Shadows => {
+            let panels = shadows::panels(scene, &frame, stop).ok_or(GpuFailure::Stopped)?;
+            let picture = composer.shadows(&panels);
+            return Ok(Rendered { picture, adapter: CPU.to_owned(), errors, out_of_range });
         }
         Mode::Lobe => {
             let ltc = pass.radiances(Estimator::TableLobe)?;

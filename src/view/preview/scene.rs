@@ -153,6 +153,9 @@ named_list! {
         Models = "models",
         /// The BRDF's lobe and the fitted lobe, on the sphere of directions.
         Lobe = "lobe",
+        /// Occluders on the surface: the truth, one sample by solid angle, one sample by the sampler, and four samples
+        /// with the closed form. Only on the CPU, for polygons.
+        Shadows = "shadows",
     }
 }
 
@@ -179,6 +182,21 @@ impl Scene {
             Mode::Difference => Self { lobe: usual.lobe, exposure: usual.exposure, rule, readings, cut, ..self },
             Mode::Strip => Self { lobe: usual.lobe, rule, readings, cut, ..self },
             Mode::Models => Self { lobe: usual.lobe, model: usual.model, readings, ..self },
+            Mode::Shadows => {
+                let Self { lobe, model, picture, difference_scale, .. } = usual;
+                let materials = self.materials.iter().take(1).copied().collect();
+                Self {
+                    materials,
+                    lobe,
+                    model,
+                    picture,
+                    readings: usual.readings,
+                    difference_scale,
+                    cut: false,
+                    compensate: false,
+                    ..self
+                }
+            }
             Mode::Lobe => {
                 let roughness = |material: &Material| Material { rotation: 0.0, ..*material };
                 Self { materials: self.materials.iter().take(1).map(roughness).collect(), lobe: self.lobe, ..usual }
@@ -201,6 +219,7 @@ impl Scene {
             Mode::Ltc | Mode::Difference | Mode::Strip => self.model == model,
             Mode::Models => COMPARED.contains(&model),
             Mode::Lobe => model == LightModel::Ltc,
+            Mode::Shadows => model == LightModel::Normals,
             Mode::Reference => false,
         }
     }
