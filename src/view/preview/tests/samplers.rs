@@ -207,7 +207,8 @@ fn densities_in_32_bits_are_those_of_f64() {
             lights_of(61_020, [[0.02, 1.0], [1e-3, 1.1e-3]], [0.1, 85.0]),
             [0.12, 0.04, 0.08],
         ),
-        ("rectangles", "views 89 to 89.99", lights_of(61_030, whole, [89.0, 89.99]), [0.03, 0.03, 0.03]),
+        // 1 + q . wo loses digits if the view is along the surface.
+        ("rectangles", "views 89 to 89.99", lights_of(61_030, whole, [89.0, 89.99]), [0.06, 0.03, 0.04]),
     ];
     for (entry, name, lights, limits) in sets {
         let lights: Vec<Single> = lights.iter().map(Single::of).collect();
