@@ -3,7 +3,7 @@
 //! Everything has the first material, also the occluders. The panels are the truth, one sample by solid angle, one
 //! sample where the surface reflects the light, and four such samples that scale the closed form.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::{Radiances, Scene, Surface, estimator::Stop, frame::Frame};
@@ -70,7 +70,7 @@ pub(super) fn error(panel: &Radiances, truth: &Radiances) -> [f32; 2] {
 
 fn pixel(scene: &Scene, frame: &Frame, [x, y]: [u32; 2]) -> [[f32; 3]; 4] {
     let place = |i: u32| 2.0 * (f64::from(i) + 0.5) / f64::from(scene.size) - 1.0;
-    let [eye, right, up, forward] = [frame.eye, frame.right, frame.up, frame.forward].map(|v| v.as_dvec3());
+    let [eye, right, up, forward] = [frame.eye, frame.right, frame.up, frame.forward].map(Vec3::as_dvec3);
     let ray = (forward + right * place(x) - up * place(y)).normalize();
     let occluders = if scene.surface == Surface::Floor { &ON_FLOOR } else { &BEFORE_SPHERE };
     let background = [frame.background.to_array(); 4];
@@ -164,11 +164,9 @@ fn lit(
             let grazing = (1.0 - wo.dot((wo + drawn.wi).normalize())).max(0.0).powi(5);
             let direction = world * drawn.wi;
             let is_seen = !others.iter().any(|occluder| occluder.blocks(direction, light.distance(drawn.wi)));
-            for channel in 0..3 {
-                let weighed = value * (scene.f0[channel] + (1.0 - scene.f0[channel]) * grazing);
-                sums[1][channel] += weighed;
-                sums[0][channel] += if is_seen { weighed } else { 0.0 };
-            }
+            let weighed = scene.f0.map(|f0| value * (f0 + (1.0 - f0) * grazing));
+            let add = |sum: [f64; 3]| [0, 1, 2].map(|k| sum[k] + weighed[k]);
+            sums = [if is_seen { add(sums[0]) } else { sums[0] }, add(sums[1])];
         }
         sums
     };

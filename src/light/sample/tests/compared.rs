@@ -111,6 +111,10 @@ fn ratio(lit: &Lit, sampler: &LightSampler, draws: usize, seed: u64) -> [f64; 3]
     [draws as f64 * square / f64::from(trials), part * (1.0 - part), (bias / f64::from(trials)).abs()]
 }
 
+fn row(variances: [f64; WAYS.len()]) -> String {
+    WAYS.iter().zip(variances).map(|(way, x)| format!("{way} {x:.3}")).collect::<Vec<_>>().join("; ")
+}
+
 #[test]
 fn the_tables_of_the_document() {
     let mut table = Vec::new();
@@ -139,11 +143,11 @@ fn the_tables_of_the_document() {
             }
             counted += 1;
         }
-        println!("{set:?}: {}", WAYS.iter().zip(sums).map(|(way, x)| format!("{way} {x:.3}; ")).collect::<String>());
+        println!("{set:?}: {}", row(sums));
         table.push(sums);
     }
     let means: [f64; WAYS.len()] = std::array::from_fn(|way| table[..8].iter().map(|row| row[way]).sum::<f64>() / 8.0);
-    println!("mean: {}", WAYS.iter().zip(means).map(|(way, x)| format!("{way} {x:.3}; ")).collect::<String>());
+    println!("mean: {}", row(means));
     for ([square, ideal, bias], draws) in ratios.into_iter().zip([1, 4, 16]) {
         println!(
             "ratio, {draws} draws: n MSE {square:.3}, ideal {ideal:.3}, {:.3} of it; bias {bias:.3}",
