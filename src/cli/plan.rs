@@ -296,14 +296,16 @@ fn next_command(args: &PlanArgs, plan: Option<&TablePlan<'_>>) -> String {
 
 /// The largest error of a lobe that the plan of a table stated: in `plan.json` next to the table, or in the folder of
 /// `--out`.
-fn promised(args: &PlanArgs, of: &AnyTable) -> Option<f64> {
+fn promised(scene: &Scene, args: &PlanArgs, of: &AnyTable) -> Option<f64> {
+    let unit = if scene.lights.is_empty() { "lobe" } else { "light" };
     let recipe = digest_of(of.origin.recipe()?).to_string();
     let beside = of.path.parent().map(Path::to_path_buf);
     [beside, Some(args.out.clone())].into_iter().flatten().find_map(|folder| {
         let plan = read_named(&folder.join("plan.json"), PLAN_LIMIT_BYTES).ok()?;
         let plan: Value = serde_json::from_slice(&plan).ok()?;
         let tables = plan["tables"].as_array()?.iter();
-        tables.filter(|table| table["recipe_digest"] == json!(recipe)).find_map(|table| table["worst"].as_f64())
+        let is_own = |table: &&Value| table["recipe_digest"] == json!(recipe) && table["error_of"] == json!(unit);
+        tables.filter(is_own).find_map(|table| table["worst"].as_f64())
     })
 }
 
@@ -314,7 +316,7 @@ fn check(
     (args, pool): (&PlanArgs, &rayon::ThreadPool),
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
-    let most = match args.error.or_else(|| Some(MOST_GROWN * promised(args, of)?)) {
+    let most = match args.error.or_else(|| Some(MOST_GROWN * promised(scene, args, of)?)) {
         Some(most) => most,
         None => MOST_GROWN * pool.install(|| own_worst(scene, of))?,
     };
@@ -323,7 +325,8 @@ fn check(
     let line = |figure: &Figure| {
         let (name, error) = (&scene.materials[figure.material].name, figure.error);
         let word = if error > most { "above" } else { "the largest, within" };
-        format!("{name}: error {error:.4} of the lobe's width, {word} {most:.4}")
+        let of = if scene.lights.is_empty() { "the lobe's width" } else { "the light" };
+        format!("{name}: error {error:.4} of {of}, {word} {most:.4}")
     };
     let mut lines: Vec<String> = figures.iter().take(above.max(1)).map(line).collect();
     let other = |(material, kind): &(String, _)| {

@@ -41,7 +41,7 @@ pub(crate) fn figures(
     needs: &Needs<'_>,
     probes: &Probes,
     (table, fresnel): (&Table, &LobeFresnel),
-    light: [Option<Vec<f64>>; 3],
+    light: &[Option<Vec<f64>>; 3],
 ) -> Vec<Figure> {
     let errors = probes.errors_as(table, fresnel, Closeness::Report);
     let figure = |(lobe, ((material, of), share)): (usize, (&(usize, &SceneLobe), f64))| Figure {
@@ -65,7 +65,7 @@ pub(crate) fn worst(figures: &[Figure]) -> f64 {
 pub fn check(scene: &Scene, table: &Table) -> Option<Vec<Figure>> {
     let needs = Needs::of(scene, table.brdf() != BrdfKind::Ggx)?;
     let probes = Probes::new(&needs, (EACH * needs.lobes.len()).clamp(ALL[0], ALL[1]));
-    let mut figures = figures(&needs, &probes, (table, table.model().fresnel()), [None, None, None]);
+    let mut figures = figures(&needs, &probes, (table, table.model().fresnel()), &[None, None, None]);
     figures.sort_by(|a, b| b.error.total_cmp(&a.error));
     Some(figures)
 }

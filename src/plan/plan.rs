@@ -171,7 +171,7 @@ impl<'a> TablePlan<'a> {
         self.shading.compare(&self.chosen.recipe, mean);
         self.worst_light = self.probes.worst_light(lighting(table), &self.needs.scene.lights);
         let light = [of_table, self.stock.clone(), self.shading.without().and_then(|form| form.light.clone())];
-        self.figures = figures(&self.needs, &self.probes, (table, self.chosen.recipe.brdf.fresnel()), light);
+        self.figures = figures(&self.needs, &self.probes, (table, self.chosen.recipe.brdf.fresnel()), &light);
     }
 
     /// The same plan with another budget and other GPU limits. Domain: limits that allow two lobes per entry if the

@@ -140,7 +140,9 @@ impl Probes {
             for ((light, _), error) in place.lights.iter().zip(errors) {
                 *here.entry(&lights[*light].name).or_default() += place.weight * error;
             }
-            here.into_iter().for_each(|(name, error)| *sums.entry(name).or_default() += error.abs());
+            for (name, error) in here {
+                *sums.entry(name).or_default() += error.abs();
+            }
         }
         sums.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))
     }

@@ -24,17 +24,22 @@ const NODES_HELP: f64 = 0.2;
 /// adds nodes, samples and registers.
 #[must_use]
 pub fn words(scene: &Scene, plans: &[TablePlan<'_>], is_verbose: bool) -> Vec<String> {
-    let mut views = match scene.cameras {
+    let lights = match scene.lights.len() {
+        0 => String::new(),
+        n => format!(", {}", plural(n, "light")),
+    };
+    let views = match scene.cameras {
         0 => "every view".to_owned(),
         n => format!("the views of {}", plural(n, "camera")),
     };
-    if !scene.lights.is_empty() {
-        views += &format!(", {}", plural(scene.lights.len(), "light"));
-    }
     let mut lines = Vec::new();
     for plan in plans {
         let prefix = if plan.needs.brdf == BrdfKind::Ggx { "" } else { "Sheen: " };
-        lines.push(format!("{prefix}{}, {views}. {}", plural(scene.materials.len(), "material"), advice(scene, plan)));
+        lines.push(format!(
+            "{prefix}{}, {views}{lights}. {}",
+            plural(scene.materials.len(), "material"),
+            advice(scene, plan)
+        ));
         lines.extend(engine_lines(scene, plan));
         let mut figures: Vec<&Figure> = plan.figures.iter().collect();
         figures.sort_by(|a, b| b.share.total_cmp(&a.share));
@@ -57,11 +62,11 @@ pub fn words(scene: &Scene, plans: &[TablePlan<'_>], is_verbose: bool) -> Vec<St
 
 /// How many times an error is nearer or farther than another.
 fn compared(error: f64, than: f64) -> String {
-    let times = |far: f64, near: f64| format!("{:.1} times", far / near.max(1e-6));
-    if error < than {
-        format!("{} nearer than", times(than, error))
-    } else {
-        format!("{} farther than", times(error, than))
+    let ratio = error.max(1e-6) / than.max(1e-6);
+    match ratio {
+        0.95..1.05 => "as near as".to_owned(),
+        0.0..0.95 => format!("{:.1} times nearer than", 1.0 / ratio),
+        _ => format!("{ratio:.1} times farther than"),
     }
 }
 

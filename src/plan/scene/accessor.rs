@@ -1,12 +1,24 @@
 //! Numbers of accessors: positions, normals, tangents, texture coordinates and indices.
 
+use std::collections::BTreeMap;
+
+use meshoptimizer_rs::{
+    Error as MeshoptError, Workspace,
+    codec::{self, Filter, Mode},
+};
 use rayon::prelude::*;
 
 use super::{
     container::Container,
-    document::{Accessor, Buffer, Document, Sparse, SparsePart},
+    document::{Accessor, Buffer, Document, Meshopt, Sparse, SparsePart},
     error::{SceneError, Unread},
+    extensions::extension,
 };
+
+/// The end of the names of the extensions that compress by meshopt.
+const MESHOPT: &str = "_meshopt_compression";
+/// Maximum bytes of all decoded buffer views.
+const MOST_DECODED: usize = 1 << 26;
 
 /// Maximum number of elements of one accessor.
 const MOST_ELEMENTS: u64 = 1 << 26;
@@ -20,7 +32,9 @@ const MOST_ZEROS: u64 = 1 << 22;
 pub(super) struct Buffers<'a> {
     document: &'a Document,
     /// The bytes of each buffer, at least as many as the document states, or why they are missing.
-    buffers: Vec<Result<Vec<u8>, String>>,
+    read: Vec<Result<Vec<u8>, String>>,
+    /// The buffer views that meshopt compresses.
+    decoded: BTreeMap<usize, Vec<u8>>,
 }
 
 impl<'a> Buffers<'a> {
@@ -38,23 +52,59 @@ impl<'a> Buffers<'a> {
             Ok(bytes)
         };
         let buffers = document.buffers.iter().enumerate().map(|buffer| Unread::split(bytes_of(buffer)));
-        Ok(Self { document, buffers: buffers.collect::<Result<_, _>>()? })
+        let mut read = Self { document, read: buffers.collect::<Result<_, _>>()?, decoded: BTreeMap::new() };
+        let mut left = MOST_DECODED;
+        for (index, view) in document.buffer_views.iter().enumerate() {
+            if let Some(name) = view.extensions.keys().find(|name| name.ends_with(MESHOPT)) {
+                let place = format!("/bufferViews/{index}");
+                let compressed: Meshopt = extension(&place, &view.extensions, name)?;
+                if let Ok(bytes) =
+                    Unread::split(read.decoded(&format!("{place}/extensions/{name}"), &compressed, &mut left))?
+                {
+                    read.decoded.insert(index, bytes);
+                }
+            }
+        }
+        Ok(read)
+    }
+
+    /// Decodes a buffer view within the bytes that are `left`.
+    fn decoded(&self, place: &str, view: &Meshopt, left: &mut usize) -> Result<Vec<u8>, Unread> {
+        let fault = |error: MeshoptError| match error {
+            MeshoptError::UnsupportedVersion => Unread::Missing(error.to_string()),
+            _ => Unread::Fault(SceneError::fault(place, error.to_string())),
+        };
+        let source = self.bytes(place, view.buffer, [view.byte_offset, view.byte_length])?;
+        let filter = view.filter.as_deref().map_or(Ok(Filter::None), Filter::parse).map_err(fault)?;
+        let mode = Mode::parse(&view.mode).map_err(fault)?;
+        let layout = codec::BufferView::new(mode, filter, view.count, view.byte_stride).map_err(fault)?;
+        let rest = left.checked_sub(layout.byte_length());
+        *left = rest.ok_or_else(|| Unread::Missing(format!("it decodes to more than {MOST_DECODED} bytes")))?;
+        layout.decode(source, &mut Workspace::default()).map_err(fault)
+    }
+
+    /// A part of a buffer: its first byte and its length.
+    fn bytes(&self, place: &str, index: usize, [start, length]: [u64; 2]) -> Result<&[u8], Unread> {
+        let end = start.saturating_add(length);
+        if self.document.buffers.get(index).is_none_or(|buffer| end > buffer.byte_length) {
+            return Err(
+                SceneError::fault(place, format!("bytes {start} to {end} are outside of buffer {index}")).into()
+            );
+        }
+        let bytes = self.read[index].as_ref().map_err(|why| Unread::Missing(why.clone()))?;
+        Ok(&bytes[start as usize..end as usize])
     }
 
     /// The bytes of a buffer view.
     pub(super) fn view(&self, index: usize) -> Result<&[u8], Unread> {
-        let fault = |detail: String| SceneError::fault(format!("/bufferViews/{index}"), detail);
+        let place = format!("/bufferViews/{index}");
         let view = self.document.buffer_views.get(index);
-        let view = view.ok_or_else(|| fault("there is no such buffer view".to_owned()))?;
-        if let Some(name) = view.extensions.keys().find(|name| name.ends_with("_meshopt_compression")) {
-            return Err(Unread::Missing(format!("it is compressed by {name}")));
+        let view = view.ok_or_else(|| SceneError::fault(&place, "there is no such buffer view"))?;
+        match (self.decoded.get(&index), view.extensions.keys().find(|name| name.ends_with(MESHOPT))) {
+            (Some(bytes), _) => Ok(bytes),
+            (None, Some(name)) => Err(Unread::Missing(format!("its bytes by {name} are missing or too many"))),
+            (None, None) => self.bytes(&place, view.buffer, [view.byte_offset, view.byte_length]),
         }
-        let (start, end) = (view.byte_offset, view.byte_offset.saturating_add(view.byte_length));
-        if self.document.buffers.get(view.buffer).is_none_or(|buffer| end > buffer.byte_length) {
-            return Err(fault(format!("bytes {start} to {end} are outside of buffer {}", view.buffer)).into());
-        }
-        let bytes = self.buffers[view.buffer].as_ref().map_err(|why| Unread::Missing(why.clone()))?;
-        Ok(&bytes[start as usize..end as usize])
     }
 
     /// The elements of an accessor of `N` numbers each. Normalized integers are scaled.

@@ -144,6 +144,19 @@ pub(super) struct SparsePart {
     pub(super) component_type: Option<u32>,
 }
 
+/// `EXT_meshopt_compression`.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Meshopt {
+    pub(super) buffer: usize,
+    pub(super) byte_offset: u64,
+    pub(super) byte_length: u64,
+    pub(super) byte_stride: usize,
+    pub(super) count: usize,
+    pub(super) mode: String,
+    pub(super) filter: Option<String>,
+}
+
 /// A skin: the nodes that move the vertices of a mesh.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]

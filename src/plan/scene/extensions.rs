@@ -1,6 +1,11 @@
 //! The glTF extensions that a plan reads, and those that it reports as not covered.
 
-use super::{document::Extensions, error::shown};
+use serde::de::DeserializeOwned;
+
+use super::{
+    document::Extensions,
+    error::{SceneError, shown},
+};
 
 pub(super) const EXT_LIGHTS_AREA: &str = "EXT_lights_area";
 /// Extensions that a plan reads, that do not affect it, or that a note describes.
@@ -59,4 +64,15 @@ pub(super) fn uncovered(extensions: &Extensions) -> Vec<String> {
     let listed = NOT_COVERED.iter().filter(|(name, _)| extensions.contains_key(*name));
     let listed = listed.map(|(name, what)| format!("{what} ({name})"));
     listed.chain(unknown(extensions.keys()).map(|name| format!("unknown extension {}", shown(name)))).collect()
+}
+
+/// An extension of the object at `place`; its default if the object does not have it.
+pub(super) fn extension<T: DeserializeOwned + Default>(
+    place: &str,
+    extensions: &Extensions,
+    name: &str,
+) -> Result<T, SceneError> {
+    let Some(value) = extensions.get(name) else { return Ok(T::default()) };
+    let parsed = serde_json::from_str(value.get());
+    parsed.map_err(|error| SceneError::fault(format!("{place}/extensions/{name}"), error.to_string()))
 }

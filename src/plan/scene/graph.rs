@@ -9,9 +9,8 @@ use super::{
     camera::Placed,
     document::{Document, Instancing, Node},
     error::{SceneError, Unread, out_of_range},
-    extensions::EXT_LIGHTS_AREA,
+    extensions::{EXT_LIGHTS_AREA, extension},
     geometry::Pose,
-    textures::extension,
 };
 
 /// Maximum number of instances by `EXT_mesh_gpu_instancing`.

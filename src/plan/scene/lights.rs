@@ -6,11 +6,10 @@ use super::{
     accessor::Buffers,
     document::{AreaLight, AreaLights, Document, Emission},
     error::{Faults, SceneError, Unread, named, shown},
-    extensions::EXT_LIGHTS_AREA,
+    extensions::{EXT_LIGHTS_AREA, extension},
     geometry::Geometry,
     graph::Graph,
     material::{LobeKind, luminance},
-    textures::extension,
 };
 use ltcforge_fit::{Configuration, Sides};
 use ltcforge_light::{AnyLight, LightShape, PlacedLight};

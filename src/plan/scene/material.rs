@@ -3,10 +3,10 @@
 use super::{
     document::{AlphaMode, Anisotropy, Clearcoat, Ior, Material, Sheen, Specular, TextureInfo},
     error::{Faults, SceneError, Unread, named},
-    extensions::{is_ggx, uncovered},
+    extensions::{extension, is_ggx, uncovered},
     specification::Specification,
     texture::{Sampled, linear},
-    textures::{Textures, extension},
+    textures::Textures,
 };
 use ltcforge_fit::{ALPHA_FLOOR, math::atan2};
 

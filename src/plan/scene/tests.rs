@@ -342,3 +342,41 @@ fn equal_files_give_equal_scenes() {
     let glb = quad_scene(&image, [1.7, 0.6], [33648, 10497], &json!({}));
     assert_eq!(scene(&glb), scene(&glb));
 }
+
+/// Positions by the vertex codec and indices by the triangle codec; a stream that is cut off is refused.
+#[test]
+fn meshes_that_meshopt_compresses_are_read() {
+    use meshoptimizer_rs::{
+        Workspace,
+        codec::{IndexEncoding, VertexEncoding, encode_index_buffer, encode_vertex_buffer},
+    };
+    let corners = [[0.0_f32, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 3.0, 0.0], [0.0, 3.0, 0.0]];
+    let vertices: Vec<u8> = corners.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect();
+    let work = &mut Workspace::default();
+    // The versions of `EXT_meshopt_compression`.
+    let of_vertices = VertexEncoding::new(0, 2).expect("a version");
+    let of_order = IndexEncoding::new(1).expect("a version");
+    let positions = encode_vertex_buffer(&vertices, 4, 12, of_vertices, work).expect("bytes");
+    let order = encode_index_buffer(&[0, 1, 2, 0, 2, 3], of_order, work).expect("bytes");
+    let compressed = |cut: usize| {
+        let mut glb = Glb::default();
+        let material = glb.material(rough(0.3));
+        let mesh = glb.quad(Some(material));
+        glb.node(json!({ "mesh": mesh }));
+        for (accessor, bytes, stride, count, mode) in
+            [(0, &positions[..positions.len() - cut], 12, 4, "ATTRIBUTES"), (2, &order[..], 2, 6, "TRIANGLES")]
+        {
+            let source = glb.view(bytes);
+            let at = glb.json["bufferViews"][source]["byteOffset"].clone();
+            let view = glb.json["accessors"][accessor]["bufferView"].as_u64().expect("an index") as usize;
+            glb.json["bufferViews"][view]["extensions"] = json!({ "EXT_meshopt_compression": {
+                "buffer": 0, "byteOffset": at, "byteLength": bytes.len(), "byteStride": stride, "count": count, "mode": mode,
+            } });
+        }
+        Scene::from_bytes(glb.bytes(), &|| true)
+    };
+    let read = compressed(0).expect("a scene");
+    assert!((read.materials[0].area - 6.0).abs() < 1e-6 && read.notes.is_empty(), "{read:?}");
+    let refused = compressed(3).expect_err("a cut stream").to_string();
+    assert!(refused.contains("/bufferViews/0/extensions/EXT_meshopt_compression"), "{refused}");
+}

@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
-use serde::de::DeserializeOwned;
 
 use super::{
     accessor::Buffers,
     container::{Container, MOST_BYTES},
-    document::{Document, Extensions, TextureInfo, TextureTransform, WebpTexture},
+    document::{Document, TextureInfo, TextureTransform, WebpTexture},
     error::{SceneError, Unread, out_of_range},
+    extensions::extension,
     image::{MOST_PIXELS, decode, pixels_of},
     texture::{Channels, Sampled},
 };
@@ -142,15 +142,4 @@ impl<'a> Textures<'a> {
             (None, None) => Err(Unread::Missing(format!("image {index} has no bytes"))),
         }
     }
-}
-
-/// An extension of the object at `place`; its default if the object does not have it.
-pub(super) fn extension<T: DeserializeOwned + Default>(
-    place: &str,
-    extensions: &Extensions,
-    name: &str,
-) -> Result<T, SceneError> {
-    let Some(value) = extensions.get(name) else { return Ok(T::default()) };
-    let parsed = serde_json::from_str(value.get());
-    parsed.map_err(|error| SceneError::fault(format!("{place}/extensions/{name}"), error.to_string()))
 }
