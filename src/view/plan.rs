@@ -139,9 +139,9 @@ fn draw_front(out: &mut Vec<String>, table: &Value) {
         let names = ["1", "10", "100", "1 K", "10 K", "100 K", "1 M", "10 M", "100 M"];
         out.push(text("middle", at, TOP + height + 20.0, names.get(decade).unwrap_or(&"")));
     }
-    let step = tick_step(reach);
+    let (step, digits) = (tick_step(reach), if reach < 0.01 { 4 } else { 3 });
     for error in (0..).map(|tick| step * f64::from(tick)).take_while(|error| *error <= reach) {
-        out.push(text("end", left - 8.0, y(error) + 4.0, &format!("{error:.3}")));
+        out.push(text("end", left - 8.0, y(error) + 4.0, &format!("{error:.digits$}")));
     }
     out.push(format!(r#"<path class="limit" d="M{left} {:.1}h{width}"/>"#, y(number(&table["limit"]))));
     let shown = front.iter().filter(|[_, error]| *error <= reach);
