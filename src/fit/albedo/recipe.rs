@@ -6,11 +6,9 @@ use super::{
     axes::{LEAST_ALPHA, LutAxes, Parameter},
     ggx::ggx,
     quadrature::albedo,
-    rows::LutPlan,
 };
 use crate::{
     brdf::BrdfKind,
-    expectation::Expectation,
     math::{from_half_bits, half_bits_f64},
     named_list,
 };
@@ -148,23 +146,6 @@ impl LutRecipe {
             (Parameter::Roughness(self.axes.roughness, least), roughness as usize),
             (Parameter::Cosine(self.axes.cos_theta), cos_theta as usize),
         ]
-    }
-
-    /// The predicted time, mean error and size of the table. A place takes as long as on the machine of the cost model;
-    /// the error is that of `dfg` with the default axes, measured from 16 x 16 to 128 x 128 texels.
-    #[must_use]
-    pub fn expectation(&self) -> Expectation {
-        let texels = self.entries() as f64;
-        let of_place = if self.brdf == BrdfKind::Ggx { 8e-6 } else { 120e-6 };
-        let (least_error, width) = match self.precision {
-            LutPrecision::F32 => (0.0, 4),
-            LutPrecision::F16 => (5e-5, 2),
-            LutPrecision::Unorm16 => (1e-5, 2),
-            LutPrecision::Rgba8 => (7e-4, 1),
-        };
-        let bytes = width * self.entries() * self.channels().len() as u64;
-        let seconds = of_place * LutPlan::new(self).places() as f64;
-        Expectation { seconds, error: (0.16 / texels).max(least_error), bytes }
     }
 
     /// The names of the channels.

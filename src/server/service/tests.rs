@@ -148,7 +148,7 @@ fn a_lost_database_loses_no_table_and_no_brdf() {
     drop(service);
     fs::remove_dir_all(folder.path().join("db")).unwrap();
     let service = Service::open(config(folder.path())).unwrap();
-    let listed: Vec<_> = service.tables(None, 9).unwrap().items.into_iter().map(|row| row.digest).collect();
+    let listed: Vec<_> = service.tables(None, 9).unwrap().items.into_iter().map(|row| row.row.digest).collect();
     assert_eq!(listed, [table]);
     assert_eq!(service.brdfs(None, 9).unwrap().items[0].digest, brdf.digest);
     assert_eq!(service.manifest(table).unwrap().unwrap(), manifest);
