@@ -71,7 +71,7 @@ pub struct PlanArgs {
     /// Fit the table, measure it, and correct the plan once if needed
     #[arg(long)]
     pub fit: bool,
-    /// Area lights in the scene's coordinates, instead of its own: the CSV of `light`
+    /// Area lights instead of the scene's own, in its coordinates: CSV of `light`
     #[arg(long, value_name = "FILE")]
     pub lights: Option<PathBuf>,
     /// Write nothing; exit with 3 if TABLE's error on a material is too large

@@ -26,9 +26,9 @@ pub struct Page<T> {
 /// A table in the list of tables.
 #[derive(Debug, Clone, Serialize)]
 pub struct ListedTable {
-    /// The row of the table.
+    /// Digests, size and age.
     #[serde(flatten)]
-    pub row: TableRow,
+    pub(super) row: TableRow,
     /// Its canonical recipe. `None` if its row is missing.
     recipe: Option<Box<RawValue>>,
     /// The mean errors between nodes. `None` until the manifest is made.

@@ -214,9 +214,9 @@ mod tests {
     #[test]
     fn lines_show_bounds_units_and_defaults() {
         let line = |name: &str| PARAMETERS.iter().find(|p| p.name == name).map(Parameter::line).expect(name);
-        assert_eq!(line("size"), "Pixels per side of a panel, 64 to 2048 [default: 512]");
+        assert_eq!(line("size"), "Pixels per side of a panel, 64 to 2048 [default of scene sphere: 512]");
         assert_eq!(line("theta"), "Polar angle of the view in mode lobe, 0 to pi/2 rad [default: 1]");
-        assert_eq!(line("mode"), "View of the scene [default: ltc]");
+        assert_eq!(line("mode"), "View of the scene [default of scene sphere: ltc]");
         assert!(line("rotation").ends_with(", -2 pi to 2 pi rad [default of scene sphere: 0]"), "{}", line("rotation"));
         assert!(line("f0").ends_with(", each 0 to 1 [default: 0.91,0.92,0.92]"), "{}", line("f0"));
         assert!(
