@@ -78,7 +78,7 @@ fn parameters_that_a_mode_does_not_show_are_not_in_its_canonical_form() {
         ("alpha_y", "0.4"),
         ("rotation", "1"),
         ("f0", "1,0.5,0"),
-        ("light", "disk"),
+        ("light", "triangle"),
         ("light_centre", "1,2,2"),
         ("light_half_size", "0.5,0.5"),
         ("light_rotation", "1.5,0,0"),
