@@ -14,7 +14,7 @@ const PART: f64 = 520.0;
 const TOP: f64 = 56.0;
 const PANEL: [f64; 2] = [480.0, 400.0];
 const LEFT: [f64; 2] = [64.0, 612.0];
-/// Radius of the mark for a roughness that covers the whole surface.
+/// Radius of the mark for a roughness that covers the whole surface. The axes keep this distance from the frame.
 const LARGEST: f64 = 22.0;
 const LEAST: f64 = 1.5;
 
@@ -70,8 +70,8 @@ fn frame(left: f64, title: &str, across: &str) -> [String; 3] {
 /// Draws roughnesses by perceptual roughness and ratio, with the nodes.
 fn draw_spots(out: &mut Vec<String>, table: &Value, scene: &Value) {
     let (left, [width, height]) = (LEFT[0], PANEL);
-    let x = |alpha: f64| left + width * alpha.sqrt();
-    let y = |ratio: f64| TOP + height * (1.0 - ratio);
+    let x = |alpha: f64| left + LARGEST + (width - 2.0 * LARGEST) * alpha.sqrt();
+    let y = |ratio: f64| TOP + LARGEST + (height - 2.0 * LARGEST) * (1.0 - ratio);
     out.extend(frame(left, "Smaller over larger roughness, and the nodes", "perceptual roughness"));
     if let Ok(recipe) = parse(table["recipe"].to_string().as_bytes(), DEFAULT_ENTRY_LIMIT) {
         let nodes = recipe.nodes();
@@ -109,7 +109,7 @@ fn draw_spots(out: &mut Vec<String>, table: &Value, scene: &Value) {
         }
     }
     for tick in [0.0, 0.25, 0.5, 0.75, 1.0] {
-        out.push(text("middle", left + width * tick, TOP + height + 20.0, &tick.to_string()));
+        out.push(text("middle", x(tick * tick), TOP + height + 20.0, &tick.to_string()));
         out.push(text("end", left - 8.0, y(tick) + 4.0, &tick.to_string()));
     }
 }
