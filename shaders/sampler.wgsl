@@ -272,8 +272,8 @@ fn sampler_pdf_either(first: SamplerRectangle, second: SamplerRectangle, share: 
     return share * sampler_pdf(first, wi) + (1.0 - share) * sampler_pdf(second, wi);
 }
 
-/// The analytic light minus the hidden light. hidden is the sum of (1 - visible) brdf cos / pdf over `count` draws. It is
-/// not biased, and has no noise where nothing is hidden.
+/// The analytic light minus the hidden light. hidden is the sum of radiance (1 - visible) brdf cos / pdf over `count`
+/// draws. It is unbiased, and has no noise where nothing is hidden.
 fn sampler_minus_hidden(light: vec3<f32>, hidden: vec3<f32>, count: f32) -> vec3<f32> {
     return light - hidden / count;
 }

@@ -115,9 +115,14 @@ fn sampler_ltc_polygon(m: mat3x3<f32>, vertices: ptr<function, array<vec3<f32>, 
 /// A direction to the light, for two random numbers in [0, 1).
 fn sampler_draw_polygon(light: SamplerPolygon, u: vec2<f32>) -> SamplerDrawn {
     var rest = u.x * light.total;
+    // The last triangle that is not empty.
+    var last = 0u;
+    for (var i = 1u; i < 7u; i++) {
+        last = select(last, i, light.halves[i] > 0.0);
+    }
     var chosen = 0u;
     for (var i = 0u; i < 6u; i++) {
-        if (chosen == i && rest > light.halves[i] && light.halves[i + 1u] > 0.0) {
+        if (chosen == i && i < last && rest > light.halves[i]) {
             rest -= light.halves[i];
             chosen = i + 1u;
         }

@@ -37,10 +37,11 @@ pub(super) fn run(args: &LightArgs, context: &mut Context<'_>) -> Result<Exit, C
     let format = CaseFormat { shape: args.light, material: args.material.map(AnisotropicRoughness::within_bounds) };
     // The errors that the input line did not cause. The numbers of these results are unknown, as NaN.
     let mut unknown = Vec::new();
-    let mut known = |found: Result<Vec<f64>, LightError>| match found {
+    let of_light = (columns.len() - shadow_columns(args).len()) / (1 + usize::from(args.truth));
+    let mut known = |found: Result<Vec<f64>, LightError>, count: usize| match found {
         Err(error @ (LightError::NotConverged { .. } | LightError::Singular)) => {
             unknown.push(error);
-            Ok(vec![f64::NAN; (columns.len() - shadow_columns(args).len()) / (1 + usize::from(args.truth))])
+            Ok(vec![f64::NAN; count])
         }
         found => found.map_err(|error| LineFailure::Line(error.to_string())),
     };
@@ -60,7 +61,7 @@ pub(super) fn run(args: &LightArgs, context: &mut Context<'_>) -> Result<Exit, C
                 };
                 model.numbers(channels)
             };
-            let mut numbers = known(by_model())?;
+            let mut numbers = known(by_model(), of_light)?;
             let by_truth = || -> Result<Vec<f64>, LightError> {
                 let light_truth = truth_of(&brdf, TRUTH_TOLERANCE, &at, light)?;
                 let truth = Of {
@@ -73,13 +74,12 @@ pub(super) fn run(args: &LightArgs, context: &mut Context<'_>) -> Result<Exit, C
                 truth.numbers(picture.as_ref().map(|picture| picture.truth(&at, light)).transpose()?)
             };
             if args.truth {
-                numbers.extend(known(by_truth())?);
+                numbers.extend(known(by_truth(), of_light)?);
             }
             if let (Some(occluders), AnyLight::Polygon(light)) = (&occluders, light) {
                 let found = truth_of(&brdf, TRUTH_TOLERANCE, &at, light)
                     .and_then(|whole| shadowed(&brdf, &at, light, whole, occluders, SHADOW_DRAWS));
-                let found = found.map_err(|error| LineFailure::Line(error.to_string()))?;
-                numbers.extend([found.energy, found.fresnel]);
+                numbers.extend(known(found.map(|found| vec![found.energy, found.fresnel]), 2)?);
             }
             let clamped = chosen.as_ref().map(|AnyTable { table, origin, .. }| clamped(&at, table, origin.range()));
             // Each number has the fewest digits that parse to the same f64. Unknown numbers are empty.

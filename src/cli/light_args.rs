@@ -45,10 +45,10 @@ pub struct LightArgs {
     /// Also print true values by quadrature (milliseconds per line)
     #[arg(long)]
     pub truth: bool,
-    /// CSV of occluders; also prints the true light with their shadows
+    /// CSV of occluders; also print the true shadowed light
     ///
     /// Lines: sphere,x,y,z,radius or box,x0,y0,z0,x1,y1,z1 or triangle,x0,y0,z0,x1,y1,z1,x2,y2,z2, in the frame of the
-    /// lights. Boxes lie along its axes. Only for polygons
+    /// lights. Boxes are axis-aligned. Only for polygons
     #[arg(long, value_name = "FILE", conflicts_with = "material")]
     pub occluders: Option<PathBuf>,
     /// Picture on rectangular lights; prints the reflected channels

@@ -73,7 +73,7 @@ mod tests {
             ("sphere,0,0,1,2", "contains the shaded point"),
             ("box,-1,-1,-1,1,1,1", "contains the shaded point"),
             ("box,1,1,1,1,2,2", "each upper coordinate"),
-            ("triangle,0,0,1,1,0,1,2,0,1", "must not lie in line"),
+            ("triangle,0,0,1,1,0,1,2,0,1", "must not be collinear"),
         ] {
             let refused = parse(line).expect_err(line);
             assert!(refused.contains(said), "{line}: {refused}");

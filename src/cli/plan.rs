@@ -71,7 +71,7 @@ pub struct PlanArgs {
     /// Fit the table, measure it, and correct the plan once if needed
     #[arg(long)]
     pub fit: bool,
-    /// Area lights instead of the scene's own, in its coordinates: CSV of `light`
+    /// Replace the scene's area lights by these (CSV, scene coordinates)
     #[arg(long, value_name = "FILE")]
     pub lights: Option<PathBuf>,
     /// Write nothing; exit with 3 if TABLE's error on a material is too large
@@ -283,14 +283,19 @@ fn write_table(
 /// The command that a user runs after this one.
 fn next_command(args: &PlanArgs, plan: Option<&TablePlan<'_>>) -> String {
     let (scene, out) = (args.scene.display(), args.out.display());
-    let shader = match plan {
-        Some(plan) if plan.chosen.recipe.brdf.fresnel().second().is_some() => " --two-lobes",
-        _ => "",
-    };
+    let shader = plan.map_or_else(String::new, |plan| {
+        let recipe = &plan.chosen.recipe;
+        let lobes = if recipe.brdf.fresnel().second().is_some() { " --two-lobes" } else { "" };
+        let nodes = if args.any_nodes { " --nodes TABLE" } else { "" };
+        format!(" --layout {}{lobes}{nodes}", recipe.layout)
+    });
+    let lights = args.lights.as_ref().map_or_else(String::new, |lights| format!(" --lights {}", lights.display()));
     match (args.fit, args.engine) {
         (false, _) => format!("next: ltcforge lock NAME --plan {out}, or fit the table: add --fit to this command"),
         (true, Some(engine)) if engine.layout().is_some() => format!("next: copy the files below into {engine}"),
-        (true, _) => format!("next: ltcforge shader{shader}; in CI: ltcforge plan {scene} TABLE --check -o {out}"),
+        (true, _) => format!(
+            "next: ltcforge shader{shader} --language glsl; in CI: ltcforge plan {scene}{lights} TABLE --check -o {out}"
+        ),
     }
 }
 
@@ -324,7 +329,7 @@ fn check(
     let above = figures.iter().filter(|figure| figure.error > most).count();
     let line = |figure: &Figure| {
         let (name, error) = (&scene.materials[figure.material].name, figure.error);
-        let word = if error > most { "above" } else { "the largest, within" };
+        let word = if error > most { "above" } else { "the largest, within the limit" };
         let of = if scene.lights.is_empty() { "the lobe's width" } else { "the light" };
         format!("{name}: error {error:.4} of {of}, {word} {most:.4}")
     };

@@ -40,7 +40,7 @@ pub struct PlotArgs {
 /// The plots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum PlotName {
-    /// Errors over theta and alpha at one ratio and phi
+    /// Errors over theta and alpha, or a lookup table and its errors
     Error,
     /// Every number of every entry
     Matrix,

@@ -18,7 +18,7 @@ pub struct SampleArgs {
     /// Directions to draw for each light
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub count: u32,
-    /// Draw uniformly over the solid angle, to compare
+    /// Sample the solid angle uniformly, for comparison
     #[arg(long)]
     pub solid_angle: bool,
 }

@@ -81,7 +81,7 @@ impl Occluder {
                     [(a, b), (b, c), (c, a)].iter().all(|(from, to)| (*to - *from).cross(p - *from).dot(normal) >= 0.0)
                 };
                 let touches = foot.length() <= TOUCHING * longest && inside(DVec3::ZERO);
-                ((normal == DVec3::ZERO).then_some("its corners must not lie in line"), touches)
+                ((normal == DVec3::ZERO).then_some("its corners must not be collinear"), touches)
             }
         };
         match (empty, contains) {

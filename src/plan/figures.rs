@@ -35,7 +35,7 @@ pub(crate) fn lighting(table: &Table) -> Lighting<'_> {
     Lighting::Table(table, TableUse { blend: table.second_matrices().is_some(), cut: false })
 }
 
-/// The figures of each lobe, for a table that is read as if it was fitted to `fresnel`. `light` are the errors of light
+/// The figures of each lobe with a place, for a table that is read as if it was fitted to `fresnel`. `light` are the errors of light
 /// at each place.
 pub(crate) fn figures(
     needs: &Needs<'_>,
@@ -51,7 +51,9 @@ pub(crate) fn figures(
         error: probes.mean_of(&errors, lobe),
         light: light.each_ref().map(|errors| Some(probes.mean_of(errors.as_ref()?, lobe))),
     };
-    needs.lobes.iter().zip(needs.shares()).enumerate().map(figure).collect()
+    // A lobe that no light reaches has no error.
+    let has_place = |(lobe, _): &(usize, _)| probes.places.iter().any(|place| place.lobe == *lobe);
+    needs.lobes.iter().zip(needs.shares()).enumerate().filter(has_place).map(figure).collect()
 }
 
 /// The largest error of a table on a lobe.

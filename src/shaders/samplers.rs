@@ -37,9 +37,9 @@ USE
   for each of count draws:
     let drawn = sampler_draw(rectangle, u);
     if (drawn.pdf > 0.0) {
-        let weighed = brdf(wo, drawn.wi) * drawn.wi.z / drawn.pdf;
-        all += weighed;
-        if (ray to the light hits nothing) { seen += weighed; } else { hidden += weighed; }
+        let weighted = brdf(wo, drawn.wi) * drawn.wi.z / drawn.pdf;
+        all += weighted;
+        if (ray to the light hits nothing) { seen += weighted; } else { hidden += weighted; }
     }
   colour = sampler_minus_hidden(analytic, radiance * hidden, count); // no bias
   colour = sampler_by_ratio(analytic, seen, all); // less noise, a little bias

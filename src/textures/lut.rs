@@ -48,7 +48,7 @@ pub enum LutExportError {
     },
     /// The engine has no lookup tables.
     #[error(
-        "{engine} computes these values in its shaders and loads no lookup table; engines that do: {}; other formats: {}",
+        "{engine} loads no lookup table; engines that do: {}; other formats: {}",
         listed(LutEngine::ALL),
         formats()
     )]

@@ -57,7 +57,7 @@ fn a_plan_is_fitted_pinned_and_checked() {
         run(here, [&["plan", scene, "ltc.safetensors", "--check", "-o", "ltc"], more].concat())
     };
     let output = check("scene.json", &[]).exited(0).stdout;
-    assert!(output.contains("the largest, within 0."), "{output}");
+    assert!(output.contains("the largest, within the limit 0."), "{output}");
     fs::write(here.join("grown.json"), LIST.replace("0.05", "0.4")).expect("a list");
     let output = check("grown.json", &[]).exited(3).stdout;
     assert!(output.starts_with("lacquer: error ") && output.contains(", above "), "{output}");

@@ -154,7 +154,7 @@ impl LutRecipe {
         self.table.channels(self.form)
     }
 
-    /// The values of the channels at an alpha and a cosine, correct to 1e-6. Further numbers have no meaning.
+    /// The values of the channels at an alpha and a cosine, correct to 1e-6 (GGX) or 1e-5. Further numbers have no meaning.
     #[must_use]
     pub fn truth(&self, alpha: f64, cosine: f64) -> [f64; 3] {
         if self.brdf != BrdfKind::Ggx {

@@ -72,7 +72,7 @@ pub(super) fn read(
     }
     lights.retain(|light| light.radiance > 0.0);
     if lights.len() > MOST_LIGHTS {
-        notes.push(format!("{} lights are not read: at most {MOST_LIGHTS} are", lights.len() - MOST_LIGHTS));
+        notes.push(format!("lights that are ignored: {}; the limit is {MOST_LIGHTS}", lights.len() - MOST_LIGHTS));
         lights.sort_by(|a, b| b.radiance.total_cmp(&a.radiance));
         lights.truncate(MOST_LIGHTS);
     }
@@ -133,8 +133,9 @@ fn emissive(
             let is_small = read.map(|accessor| document.accessors[accessor].count).max() <= Some(MOST_VERTICES)
                 && lights.len() <= MOST_LIGHTS;
             if !is_small || material.emissive_texture.is_some() {
-                let why = if is_small { "a texture" } else { "many triangles" };
-                notes.push(format!("{name}: it emits light by {why}, which is not read as a light"));
+                let why =
+                    if is_small { "its emissive texture" } else { "its emission (a large mesh, or too many lights)" };
+                notes.push(format!("{name}: {why} is not read as a light"));
                 continue;
             }
             let place = format!("/meshes/{}/primitives/{number}", posed.mesh);

@@ -1,6 +1,6 @@
 //! Mode `shadows`: occluders on the surface, lit by few samples, in f64 on the CPU.
 //!
-//! Everything has the first material, also the occluders. The panels are the truth, one sample by solid angle, one
+//! All surfaces, including the occluders, use the first material. The panels are the truth, one sample by solid angle, one
 //! sample where the surface reflects the light, and four such samples that scale the closed form.
 
 use glam::{DMat3, DVec3, Vec3};
@@ -164,8 +164,8 @@ fn lit(
             let grazing = (1.0 - wo.dot((wo + drawn.wi).normalize())).max(0.0).powi(5);
             let direction = world * drawn.wi;
             let is_seen = !others.iter().any(|occluder| occluder.blocks(direction, light.distance(drawn.wi)));
-            let weighed = scene.f0.map(|f0| value * (f0 + (1.0 - f0) * grazing));
-            let add = |sum: [f64; 3]| [0, 1, 2].map(|k| sum[k] + weighed[k]);
+            let weighted = scene.f0.map(|f0| value * (f0 + (1.0 - f0) * grazing));
+            let add = |sum: [f64; 3]| [0, 1, 2].map(|k| sum[k] + weighted[k]);
             sums = [if is_seen { add(sums[0]) } else { sums[0] }, add(sums[1])];
         }
         sums
