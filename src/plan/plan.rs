@@ -146,7 +146,8 @@ impl<'a> TablePlan<'a> {
 
     fn choose(mut self) -> Self {
         self.candidates = candidates(&self.prediction);
-        let whole = self.of_whole();
+        // Without a budget, the default table has too many bytes for its error.
+        let whole = self.of_whole().filter(|_| !matches!(self.budget, Budget::Knee));
         self.candidates.extend(whole);
         let gpu = self.form.gpu;
         let is_readable = |candidate: &Candidate| gpu.allows(text_cost_of(&candidate.recipe));

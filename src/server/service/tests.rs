@@ -120,10 +120,11 @@ fn a_lookup_table_takes_the_same_path_as_an_ltc_table() {
     let manifest: serde_json::Value = serde_json::from_str(&service.manifest(table).unwrap().unwrap()).unwrap();
     assert_eq!((&manifest["recipe"]["table"], &manifest["entries"]), (&"dfg".into(), &20.into()));
     let exports: Vec<String> = service.exports(table).unwrap().unwrap().iter().map(ToString::to_string).collect();
-    assert_eq!(exports, ["three", "bevy"]);
+    assert!(exports.starts_with(&["three".to_owned()]) && exports.contains(&"blender".to_owned()), "{exports:?}");
+    assert!(exports.contains(&"png".to_owned()) && exports.contains(&"ktx2.f16".to_owned()), "{exports:?}");
     let made = service.export(table, "bevy".parse().unwrap()).unwrap().unwrap();
     assert_eq!(made.files[0].path, "dfg.ktx2");
-    let refused = service.export(table, "godot".parse().unwrap()).unwrap_err();
+    let refused = service.export(table, "playcanvas".parse().unwrap()).unwrap_err();
     assert!(matches!(refused, ExportFailure::Lut(_)), "{refused}");
     // The catalogue finds the table again without its database.
     service.stop();
@@ -147,7 +148,7 @@ fn a_lost_database_loses_no_table_and_no_brdf() {
     drop(service);
     fs::remove_dir_all(folder.path().join("db")).unwrap();
     let service = Service::open(config(folder.path())).unwrap();
-    let listed: Vec<_> = service.tables(None, 9).unwrap().items.into_iter().map(|listed| listed.row.digest).collect();
+    let listed: Vec<_> = service.tables(None, 9).unwrap().items.into_iter().map(|row| row.row.digest).collect();
     assert_eq!(listed, [table]);
     assert_eq!(service.brdfs(None, 9).unwrap().items[0].digest, brdf.digest);
     assert_eq!(service.manifest(table).unwrap().unwrap(), manifest);

@@ -248,6 +248,25 @@ fn polygons_are_sampled_as_in_f64() {
     assert!(far.len() > 10_000 && middle < 2e-5 && most < 5e-3, "{middle} {most}");
 }
 
+/// A light that stands on the surface with one corner has an empty triangle between others. Both of its halves are
+/// drawn.
+#[test]
+fn all_parts_of_a_light_on_one_corner_are_drawn() {
+    let at = Configuration { alpha_x: 0.5, alpha_y: 0.5, theta: 0.6, phi: -std::f64::consts::FRAC_PI_2 };
+    let corners = [[0.0, 2.0, 0.0], [1.0, 2.0, 1.0], [0.0, 2.0, 2.0], [-1.0, 2.0, 1.0]];
+    for first in 0..4 {
+        let vertices = (0..4).map(|i| DVec3::from_array(corners[(first + i) % 4])).collect();
+        let lit = Lit { at, vertices };
+        let lights: Vec<Single> = (0..64).map(|_| Single::of(&lit)).collect();
+        let Some(found) = run("polygons", &lights) else { return };
+        let draws = found.iter().flat_map(|found| found.as_chunks::<2>().0).filter(|[draw, _]| draw.w > 0.0);
+        let right = draws.clone().filter(|[draw, _]| draw.x > 0.0).count();
+        let all = draws.count();
+        println!("{right} of {all} draws are right of the corner {first}");
+        assert!(all == 1024 && (400..624).contains(&right), "{right} of {all}");
+    }
+}
+
 /// The largest normal deviate of a test: probability 1e-4.
 const MOST_DEVIATION: f64 = 3.72;
 
