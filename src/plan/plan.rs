@@ -146,8 +146,7 @@ impl<'a> TablePlan<'a> {
 
     fn choose(mut self) -> Self {
         self.candidates = candidates(&self.prediction);
-        // Without a budget, the default table has too many bytes for its error.
-        let whole = self.of_whole().filter(|_| !matches!(self.budget, Budget::Knee));
+        let whole = self.of_whole();
         self.candidates.extend(whole);
         let gpu = self.form.gpu;
         let is_readable = |candidate: &Candidate| gpu.allows(text_cost_of(&candidate.recipe));

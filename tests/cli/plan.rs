@@ -30,7 +30,7 @@ fn a_plan_is_fitted_pinned_and_checked() {
         "{output}"
     );
     assert!(output.contains("\n  steel: roughness 0.45, 75 % of the surface, error 0.0"), "{output}");
-    assert!(output.contains("\nnext: ltcforge shader --two-lobes; in CI: ") && !output.contains("nodes"), "{output}");
+    assert!(output.contains(" --two-lobes --language glsl; in CI: ") && !output.contains("nodes"), "{output}");
     let plan = json_of(&fs::read(here.join("ltc/plan.json")).expect("a plan"));
     let table = &plan["tables"][0];
     let bytes = table["predicted"]["bytes"].as_u64().expect("bytes");
