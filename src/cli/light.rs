@@ -25,6 +25,10 @@ pub(super) fn run(args: &LightArgs, context: &mut Context<'_>) -> Result<Exit, C
     let lighting = lighting.or(formula).ok_or_else(|| usage(LightError::NeedsTable(args.model)))?;
     let brdf = table.map_or(BrdfKind::Ggx.into(), |table| table.model().clone());
     let mut picture = Picture::of(args, &brdf)?;
+    if [Some(&args.cases), args.occluders.as_ref()].iter().all(|path| path.is_some_and(|path| path.as_os_str() == "-"))
+    {
+        return Err(usage("only one of the lights and the occluders can be `-`, standard input"));
+    }
     let occluders = args.occluders.as_deref().map(occluders::read).transpose()?;
     let lines = CsvLines::open(&args.cases, "lights")?;
     if let Some(material) = args.material

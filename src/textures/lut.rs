@@ -58,7 +58,7 @@ pub enum LutExportError {
     },
     /// The name is not an export of lookup tables.
     #[error(
-        "«{}» is not an export of a lookup table; allowed: {}, or container.precision, such as ktx2.f16, with containers {}",
+        "«{}» is not an export of a lookup table; engines: {}; containers: {}; over HTTP, a container except png has a precision, such as ktx2.f16",
         .0.escape_debug(), listed(LutEngine::ALL), formats()
     )]
     Unknown(String),

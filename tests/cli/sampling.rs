@@ -61,6 +61,8 @@ fn occluders_hide_light() {
     }
     let disks = run_with_stdin(here.path(), ["light", "-", "--light", "sphere", "--occluders", "o.csv"], "");
     assert!(disks.exited(2).stderr.contains("--occluders is only for polygons, not for a sphere"));
+    let both = run_with_stdin(here.path(), ["light", "-", "--occluders", "-"], LIGHTS);
+    assert!(both.exited(2).stderr.contains("only one of the lights and the occluders can be `-`"));
 }
 
 #[test]
