@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// ltcforge 0.1.0, revision 2, sha256 of the text below: 94e4e96e3c88bf6a
+// ltcforge 0.1.0, revision 3, sha256 of the text below: beab0fbb3b49a8ba
 // Area lights on GGX without a table, in the space of its normals, by rule balanced.
 //
 //   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
@@ -8,9 +8,9 @@
 //       Light of radiance L arrives as L (f0 (x - y) + f90 y).
 //
 // CHECK of the rectangle (-1 -1 1) (1 -1 1) (1 1.5 -0.5) (-1 1.5 -0.5), alpha_x alpha_y (wo): x y, within 0.00002
-//   0.3 0.15 (0.36 0.48 0.8): 0.703830 0.000077
-//   0.2 0.6 (-0.64 0.48 0.6): 0.550507 0.000945
-//   0.05 0.02 (0.576 -0.768 0.28): 0.991912 0.184492
+//   0.3 0.15 (0.36 0.48 0.8): 0.703362 0.000085
+//   0.2 0.6 (-0.64 0.48 0.6): 0.547814 0.000918
+//   0.05 0.02 (0.576 -0.768 0.28): 0.991828 0.184046
 
 // A surface seen from direction wo. A = diag(alpha, 1).
 struct NormalsView {
@@ -207,15 +207,15 @@ float2 normals_mean(NormalsView view, NormalsSum sum, float projected, bool two_
     float4 first = float4(part, view.rise, at_mean);
     float4 second = float4(max(view.alpha.x, view.alpha.y), min(view.alpha.x, view.alpha.y), at_rise, means.x);
     float third = sum.size;
-    float4 sum_0 = mul(first, float4x4(-8.753, 0.5654, 0.3926, 0.1981, 0.3816, 24.24, -0.6129, 0.2369, 2.713, 9.272, 6.006, 3.125, 1.758, -0.2931, 0.3957, 3.77))
-        + mul(second, float4x4(0.6518, -2.403, -2.107, -0.7803, 0.6439, 0.1223, -0.7821, 2.213, -3.177, -0.4119, 0.4902, 1.055, 0.3836, 1.799, -1.441, 1.085))
-        + float4(0.7555, -0.2884, -0.1174, 0.6383) * third
-        + float4(-1.895, -32.28, -3.253, -6.858);
+    float4 sum_0 = mul(first, float4x4(-10.97, 0.3589, 0.4507, -0.04585, 0.04056, 19.83, -0.7741, 0.2623, 3.904, 11.6, 4.484, 1.37, 1.796, 0.1187, 0.5416, 2.782))
+        + mul(second, float4x4(0.7183, -2.207, -2.359, -0.5499, 0.3575, 0.343, -0.8699, 1.698, -4.729, -1.354, 0.2741, 1.058, 0.6109, 2.047, -1.227, 0.9754))
+        + float4(1.031, -0.2568, -0.04868, 0.3217) * third
+        + float4(-1.733, -30.7, -1.4, -4.092);
     float4 units_0 = sum_0 + sqrt(sum_0 * sum_0 + 1.0);
-    float4 outputs = mul(units_0, float4x4(-0.2243, -0.08187, -0.3105, -0.135, 0.03016, -0.3446, 0.07265, -0.385, 0.06841, 0.6177, -0.2157, 0.2122, -0.02905, -0.5208, -0.1619, -0.151))
-        + float4(0.5919, 0.2545, 0.969, 1.459);
-    float fifth = dot(float4(-0.3032, -8.743, -0.4859, 1.045), units_0)
-        + -2.783;
+    float4 outputs = mul(units_0, float4x4(-0.2265, -0.04962, -0.2762, 0.02247, 0.06334, -0.6608, 0.1095, -0.4541, 0.05504, 0.3706, -0.2145, -0.1937, -0.04367, -0.3634, -0.1784, 0.1189))
+        + float4(0.6106, 0.2974, 1.157, 1.223);
+    float fifth = dot(float4(0.1535, -11.78, -0.2551, 1.225), units_0)
+        + -3.635;
     float2 outline = float2(means.x, means.z / (means.x + 1e-6));
     return part * normals_blend(float2(at_mean.x, normals_fifth(at_mean.y)), at_rise, outline, extent / (extent + 1.0), outputs, fifth);
 }

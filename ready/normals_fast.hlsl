@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// ltcforge 0.1.0, revision 2, sha256 of the text below: d28d5db532e00b7c
+// ltcforge 0.1.0, revision 3, sha256 of the text below: d28d5db532e00b7c
 // Area lights on GGX without a table, in the space of its normals, by rule fast.
 //
 //   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.

@@ -49,6 +49,9 @@ enum Study {
         /// Seed of the lights
         #[arg(long, default_value_t = 1)]
         seed: u64,
+        /// Start from the current numbers, with a shorter step
+        #[arg(long)]
+        refine: bool,
         /// Print the current numbers without a search
         #[arg(long)]
         current: bool,
@@ -273,8 +276,8 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
             }
         }
         Study::Networks { rule, current: true, .. } => print_numbers(rule, &Numbers::from(rule.network())),
-        Study::Networks { rule, lights, rounds, starts, seed, .. } => {
-            let found = networks::find(&Options { rule, lights, rounds, starts, seed });
+        Study::Networks { rule, lights, rounds, starts, seed, refine, .. } => {
+            let found = networks::find(&Options { rule, lights, rounds, starts, seed, refine });
             println!("mean error of energy and Schlick's part   current   found");
             for (name, [current, found]) in [("training", found.training), ("held out", found.held_out)] {
                 println!("{name:40}  {current:.6}  {found:.6}");

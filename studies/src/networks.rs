@@ -29,6 +29,8 @@ pub struct Options {
     pub starts: u64,
     /// Seed for the lights and the starts.
     pub seed: u64,
+    /// True to start from the current numbers, with a shorter step. Otherwise starts are random.
+    pub refine: bool,
 }
 
 /// The number of units of a rule's network.
@@ -97,7 +99,7 @@ pub fn find(options: &Options) -> Found {
     let (lessons, normal) = lessons(options, &training);
     let starts: Vec<u64> = (0..options.starts).collect();
     let tried = starts.into_par_iter().map(|start| {
-        let (error, search) = trained(options, start, &lessons);
+        let (error, search) = trained(options, start, &lessons, &normal);
         let numbers = search.numbers(&normal);
         (error * strips(rule, &numbers, &training), numbers)
     });

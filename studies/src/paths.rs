@@ -22,7 +22,7 @@ const SMOOTH: [usize; 2] = [1000, 100];
 /// to the largest slope of the truth.
 const STEP: f64 = 0.05;
 /// The tolerance of the truth of smooth paths.
-const TOLERANCE: f64 = 1e-5;
+pub const TOLERANCE: f64 = 1e-5;
 /// The tolerance of the truth where a smooth path bends.
 const TOLERANCE_OF_BENDS: f64 = 1e-8;
 /// Reflectance at normal incidence of the plastic.
@@ -70,7 +70,8 @@ pub fn to_one_side(lit: &Lit, t: f64) -> Lit {
 }
 
 /// Moves by its own width, turns about its normal and tilts the view. It stays above the surface.
-fn smooth(lit: &Lit, t: f64) -> Lit {
+#[must_use]
+pub fn smooth(lit: &Lit, t: f64) -> Lit {
     let moved = vertices(lit, |v| {
         let centre = 0.5 * (v[0] + v[2]);
         let shift = (v[1] - v[0]) * (t - 0.5);
@@ -123,7 +124,8 @@ fn has_false_step(values: &[f64], largest: f64, truth: impl Fn(usize) -> f64) ->
 }
 
 /// Smooth paths: the lights stay above the surface, and the surface is not a mirror.
-fn smooth_paths(seed: u64, count: usize) -> Vec<Lit> {
+#[must_use]
+pub fn smooth_paths(seed: u64, count: usize) -> Vec<Lit> {
     let is_smooth = |lit: &Lit| {
         lit.at.alpha_x.min(lit.at.alpha_y) > 0.05
             && [0.0, 0.5, 1.0].into_iter().all(|t| smooth(lit, t).vertices.iter().all(|v| v[2] > 0.05))

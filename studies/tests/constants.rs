@@ -99,10 +99,21 @@ fn the_bulge_of_arcs_is_the_best_of_the_grid() {
 #[test]
 fn a_short_search_comes_close_to_the_numbers_of_networks() {
     for (rule, most) in [(NormalsRule::Fast, 1.3), (NormalsRule::Balanced, 2.5), (NormalsRule::Fine, 2.5)] {
-        let found = networks::find(&Options { rule, lights: 6000, rounds: 40, starts: 2, seed: 71 });
+        let found = networks::find(&Options { rule, lights: 6000, rounds: 40, starts: 2, seed: 71, refine: false });
         let ([current, end], training) = (found.held_out, found.training);
         println!("{rule}: {end:.6}; current: {current:.6}; training: {training:.6?}");
         assert!((0.85..most).contains(&(end / current)) && training[1] < most * training[0], "{rule}: {found:?}");
+    }
+}
+
+/// A search that starts from the current numbers stays close to them, although its lights are others.
+#[test]
+fn a_refined_network_is_as_good_as_the_current_one() {
+    for rule in [NormalsRule::Fast, NormalsRule::Balanced, NormalsRule::Fine] {
+        let found = networks::find(&Options { rule, lights: 6000, rounds: 5, starts: 1, seed: 73, refine: true });
+        assert!(found.numbers != Numbers::from(rule.network()), "{rule}");
+        let change = found.held_out[1] / found.held_out[0];
+        assert!((0.95..1.1).contains(&change) && found.training[1] < 1.02 * found.training[0], "{rule}: {found:?}");
     }
 }
 

@@ -65,7 +65,7 @@ fn errors(seed: u64, count: usize, roughness: Roughness, sizes: [f64; 2]) -> Vec
 fn errors_come_from_the_weight() {
     let limits = |roughness: Roughness, sizes: [f64; 2], rule: NormalsRule| match (roughness, rule) {
         (_, NormalsRule::Fast) if sizes == HUGE => [0.006, 0.026, 0.12],
-        (_, NormalsRule::Balanced) if sizes == HUGE => [0.0038, 0.016, 0.1],
+        (_, NormalsRule::Balanced) if sizes == HUGE => [0.0034, 0.015, 0.1],
         (_, _) if sizes == HUGE => [0.0026, 0.01, 0.08],
         (Roughness::All, NormalsRule::Fast) => [0.0011, 0.0055, 0.1],
         (_, NormalsRule::Fast) => [0.0015, 0.0075, 0.1],
@@ -81,7 +81,7 @@ fn errors_come_from_the_weight() {
             for (found, limit) in energy.into_iter().zip(limits(roughness, sizes, rule)) {
                 assert!(found < limit, "{seed} {roughness:?} {sizes:?} {rule}: {energy:?}");
             }
-            let most = energy[0].max(0.0005);
+            let most = (1.1 * energy[0]).max(0.0005);
             assert!(fresnel[0] < most && fresnel[2] < 0.2, "{seed} {roughness:?} {sizes:?} {rule}: {fresnel:?}");
         }
     }

@@ -16,14 +16,16 @@ use super::{
     outputs, units,
 };
 use crate::{
-    lights::{Case, Kind, Lit, lits},
-    paths::{about_middle, to_one_side},
+    lights::{Case, Kind, Lit, lits, truth_of},
+    paths::{TOLERANCE, about_middle, smooth, smooth_paths, to_one_side},
 };
 
 /// Cases per step.
 const BATCH: usize = 256;
 /// The length of the first step of rule `fine`, and of the other rules.
 const STEP: [f64; 2] = [0.006, 0.015];
+/// The factor on the first step of a search that refines the current numbers.
+const REFINED: f64 = 0.2;
 /// The decay per step of the running means of the gradient and of its square.
 const DECAY: [f64; 2] = [0.9, 0.999];
 /// Errors below this are negligible: the objective is quadratic there.
@@ -41,8 +43,14 @@ const GROWTH: usize = 10;
 const PATHS: f64 = 0.25;
 /// The weight of a squared fall of a light that grows, for metal and for plastic.
 const FALL: [f64; 2] = [400.0, 2000.0];
+/// Steps of a light that moves and turns.
+const MOVING: usize = 8;
+/// The weight of the squared change of an error from step to step, for metal and for plastic.
+const ROUGH: [f64; 2] = [100.0, 500.0];
 /// Reflectance at normal incidence of the plastic.
 const PLASTIC: f64 = 0.04;
+/// The light of metal and of plastic, from its two parts.
+const SURFACES: [[f64; 2]; 2] = [[1.0, 0.0], [PLASTIC, 1.0 - PLASTIC]];
 /// The outputs that are shares of blends.
 const SHARES: [usize; 2] = [0, 3];
 /// The slope of a share beyond its ends, in the first half of the search.
@@ -61,6 +69,9 @@ pub(super) enum Lesson {
     Light(Region<f64>, [f64; 2], f64),
     /// A light that grows, in some steps. Its reflected light must not decrease.
     Growth(Vec<Region<f64>>),
+    /// A light that moves and turns while the view tilts, in some steps, and its true light. The error must not change
+    /// quickly.
+    Moving(Vec<Region<f64>>, Vec<[f64; 2]>),
 }
 
 impl Lesson {
@@ -73,10 +84,17 @@ impl Lesson {
         Self::Growth((0..GROWTH).filter_map(|i| region_of(rule, &at(i))).collect())
     }
 
+    fn moving(rule: NormalsRule, lit: &Lit) -> Self {
+        let along = (0..MOVING).map(|i| smooth(lit, i as f64 / (MOVING - 1) as f64));
+        let (regions, truths) =
+            along.filter_map(|lit| Some((region_of(rule, &lit)?, truth_of(&lit, TOLERANCE)))).unzip();
+        Self::Moving(regions, truths)
+    }
+
     fn regions(&mut self) -> &mut [Region<f64>] {
         match self {
             Self::Light(region, ..) => std::slice::from_mut(region),
-            Self::Growth(regions) => regions,
+            Self::Growth(regions) | Self::Moving(regions, _) => regions,
         }
     }
 }
@@ -95,6 +113,8 @@ pub(super) fn lessons(options: &Options, cases: &[(usize, Case)]) -> (Vec<Lesson
             lessons.extend(lits.par_iter().enumerate().map(of).collect::<Vec<_>>());
         }
     }
+    let moving = smooth_paths(100 * options.seed + 52, count / 2);
+    lessons.extend(moving.par_iter().map(|lit| Lesson::moving(rule, lit)).collect::<Vec<_>>());
     let regions = || cases.iter().filter_map(|(_, case)| region_of(rule, &case.lit));
     let all: Vec<[f64; INPUTS]> = regions().map(|region| region.inputs).collect();
     let mean = |of: &dyn Fn(&[f64; INPUTS]) -> f64| all.iter().map(of).sum::<f64>() / all.len() as f64;
@@ -140,6 +160,15 @@ fn light(region: &Region<f64>, outputs: [f64; OUTPUTS]) -> [f64; 2] {
     region.mean(outputs).map(|mean| region.visible * mean)
 }
 
+/// The penalty `weight / 2 * change^2` for a change of light between two steps of a path. Adds its slope to `by_light`.
+fn penalty(weight: f64, change: f64, of: [f64; 2], [more, less]: [usize; 2], by_light: &mut [[f64; 2]]) -> f64 {
+    for part in 0..2 {
+        by_light[more][part] += weight * change * of[part];
+        by_light[less][part] -= weight * change * of[part];
+    }
+    0.5 * weight * change * change
+}
+
 impl Search {
     fn new(rule: NormalsRule, random: &mut Xoshiro256PlusPlus) -> Self {
         let (inputs, units, outputs) = (rule.inputs(), units(rule), outputs(rule));
@@ -156,6 +185,18 @@ impl Search {
             weights.push(if SHARES.contains(&output) { 0.5 } else { 0.0 });
         }
         Self { inputs, units, outputs, weights }
+    }
+
+    /// The current numbers of a rule, for inputs with this mean and spread.
+    fn current(rule: NormalsRule, [mean, spread]: &[Vec<f64>; 2]) -> Self {
+        let (network, inputs) = (rule.network(), rule.inputs());
+        let mut weights = Vec::new();
+        for row in network.units {
+            weights.extend((0..inputs).map(|i| row[i] * spread[i]));
+            weights.push(row[inputs] + (0..inputs).map(|i| row[i] * mean[i]).sum::<f64>());
+        }
+        weights.extend(network.outputs.iter().copied().flatten());
+        Self { inputs, units: units(rule), outputs: outputs(rule), weights }
     }
 
     /// The index of the first weight of an output's row.
@@ -227,30 +268,50 @@ impl Search {
             Lesson::Growth(regions) => {
                 let values: Vec<Evaluation> = regions.iter().map(|region| self.evaluate(region)).collect();
                 let mut by_light = vec![[0.0; 2]; values.len()];
-                for (of, fall_weight) in [[1.0, 0.0], [PLASTIC, 1.0 - PLASTIC]].into_iter().zip(FALL) {
-                    let value = |values: &Evaluation| of[0] * values.light[0] + of[1] * values.light[1];
+                for (of, fall_weight) in SURFACES.into_iter().zip(FALL) {
+                    let value = |i: usize| of[0] * values[i].light[0] + of[1] * values[i].light[1];
                     let mut most = 0;
                     for i in 0..values.len() {
-                        let fall = value(&values[most]) - value(&values[i]);
+                        let fall = value(most) - value(i);
                         if fall <= 0.0 {
                             most = i;
-                            continue;
-                        }
-                        sum += 0.5 * fall_weight * fall * fall;
-                        for part in 0..2 {
-                            by_light[i][part] -= fall_weight * fall * of[part];
-                            by_light[most][part] += fall_weight * fall * of[part];
+                        } else {
+                            sum += penalty(fall_weight, fall, of, [most, i], &mut by_light);
                         }
                     }
                 }
-                for ((region, values), by_light) in regions.iter().zip(&values).zip(by_light) {
-                    if by_light != [0.0; 2] {
-                        self.learn(region, values, by_light, leak, slope);
+                self.learn_path(regions, &values, &by_light, leak, slope);
+            }
+            Lesson::Moving(regions, truths) => {
+                let values: Vec<Evaluation> = regions.iter().map(|region| self.evaluate(region)).collect();
+                let mut by_light = vec![[0.0; 2]; values.len()];
+                for (of, rough) in SURFACES.into_iter().zip(ROUGH) {
+                    let error = |i: usize| -> f64 {
+                        (0..2).map(|part| of[part] * (values[i].light[part] - truths[i][part])).sum()
+                    };
+                    for i in 1..values.len() {
+                        sum += penalty(rough, error(i) - error(i - 1), of, [i, i - 1], &mut by_light);
                     }
                 }
+                self.learn_path(regions, &values, &by_light, leak, slope);
             }
         }
         sum
+    }
+
+    fn learn_path(
+        &self,
+        regions: &[Region<f64>],
+        values: &[Evaluation],
+        by_light: &[[f64; 2]],
+        leak: f64,
+        slope: &mut [f64],
+    ) {
+        for ((region, values), by_light) in regions.iter().zip(values).zip(by_light) {
+            if *by_light != [0.0; 2] {
+                self.learn(region, values, *by_light, leak, slope);
+            }
+        }
     }
 
     fn step(&mut self, adam: &mut Adam, slope: &[f64], length: f64) {
@@ -280,19 +341,21 @@ impl Search {
 }
 
 /// Searches from a start. Returns the network and its mean error over the lessons.
-pub(super) fn trained(options: &Options, start: u64, lessons: &[Lesson]) -> (f64, Search) {
+pub(super) fn trained(options: &Options, start: u64, lessons: &[Lesson], normal: &[Vec<f64>; 2]) -> (f64, Search) {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(1000 * options.seed + start);
-    let mut search = Search::new(options.rule, &mut random);
+    let mut search =
+        if options.refine { Search::current(options.rule, normal) } else { Search::new(options.rule, &mut random) };
     let count = search.weights.len();
     let mut adam = Adam { slope: vec![0.0; count], square: vec![0.0; count], decayed: [1.0; 2] };
     let mut order: Vec<usize> = (0..lessons.len()).collect();
     let steps = options.rounds * lessons.len().div_ceil(BATCH);
+    let first = STEP[usize::from(options.rule != NormalsRule::Fine)] * if options.refine { REFINED } else { 1.0 };
     let mut step = 0_usize;
     for round in 0..options.rounds {
         for i in (1..order.len()).rev() {
             order.swap(i, (random.next_u64() % (i as u64 + 1)) as usize);
         }
-        let leak = if 2 * round < options.rounds { LEAK } else { 0.0 };
+        let leak = if !options.refine && 2 * round < options.rounds { LEAK } else { 0.0 };
         for batch in order.chunks(BATCH) {
             let mut slope = vec![0.0; count];
             for i in batch {
@@ -301,7 +364,6 @@ pub(super) fn trained(options: &Options, start: u64, lessons: &[Lesson]) -> (f64
             for slope in &mut slope {
                 *slope /= batch.len() as f64;
             }
-            let first = if options.rule == NormalsRule::Fine { STEP[0] } else { STEP[1] };
             let length = first * (0.5 + 0.5 * (PI * step as f64 / steps as f64).cos()).powf(1.5) + 1e-5;
             search.step(&mut adam, &slope, length);
             step += 1;
