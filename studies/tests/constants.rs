@@ -9,6 +9,7 @@ use ltcforge_studies::{
     expected::Extent,
     formula, glass, l3, minimax, models,
     networks::{self, Numbers, Options},
+    paths,
     tables::fitted,
     tabulated::{self, grouped},
 };
@@ -172,6 +173,27 @@ fn the_documents_have_the_rows_of_model_normals() {
         text.replace(", 10000 |", " |").replace(", 3000 |", " |").replace(", 2000 |", " |").replace(", 600 |", " |")
     };
     assert_eq!(check_rows(&few(LIGHTS_PAGE), &few(light), 2, 1.8), 6);
+}
+
+#[test]
+fn the_documents_have_the_smoothness_of_rule_balanced() {
+    let found = paths::measure(1, 1.0, paths::by_rule(NormalsRule::Balanced));
+    let rows = [
+        ("| strips: relative error, p95 |", vec![found.strips]),
+        ("| strips that lose over a tenth", vec![found.lost]),
+        ("| growth to one side: p99; above .005 |", vec![found.to_one_side[0]]),
+        ("| growth about the middle: p99, max |", found.about_middle[0].to_vec()),
+        ("| the same for F0 = .04 |", found.about_middle[1].to_vec()),
+    ];
+    for (start, found) in rows {
+        let row = NORMALS_PAGE.lines().find(|line| line.starts_with(start)).expect("a row");
+        let cell = row.split(" | ").nth(2).expect("rule balanced").replace([';', '%'], " ");
+        let percent = if row.contains("lose over") { 0.01 } else { 1.0 };
+        for (found, documented) in found.into_iter().zip(numbers(&cell)) {
+            let documented = percent * documented;
+            assert!((found - documented).abs() < 0.04 * documented + 5e-5, "{start} {found} {documented}");
+        }
+    }
 }
 
 #[test]
