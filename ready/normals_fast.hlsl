@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// ltcforge 0.1.0, revision 3, sha256 of the text below: d28d5db532e00b7c
+// ltcforge 0.1.0, revision 3, sha256 of the text below: fe65361067270658
 // Area lights on GGX without a table, in the space of its normals, by rule fast.
 //
 //   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
 //   normals_rectangle, normals_polygon, normals_disk  for each light. Vertices are relative to the point in this frame and
 //       run clockwise as seen from the side that emits. The third corner of a rectangle is not read.
 //       Light of radiance L arrives as L (f0 (x - y) + f90 y).
+//   normals_rectangle_lit, normals_polygon_lit  light is the same; flux is for sampler_normals_about of the samplers.
 //
 // CHECK of the rectangle (-1 -1 1) (1 -1 1) (1 1.5 -0.5) (-1 1.5 -0.5), alpha_x alpha_y (wo): x y, within 0.00002
 //   0.3 0.15 (0.36 0.48 0.8): 0.692584 0.000055
@@ -183,9 +184,20 @@ float2 normals_mean(NormalsView view, NormalsSum sum, float projected, bool two_
     return weight * float2(1.0, schlick * (1.0 + more.y * (1.0 - schlick)));
 }
 
-// The reflected light of a rectangle of radiance one: for a Fresnel factor of one (x), and weighted by Schlick's
-// (1 - wo . h)^5 (y).
-float2 normals_rectangle(NormalsView view, float3 corners[4], bool two_sided) {
+// Reflected light, and the integral of c x dc along the image of the light's outline: it points along the mean normal or
+// against it.
+struct NormalsLit {
+    float2 light;
+    float3 flux;
+};
+
+NormalsLit NormalsLitOf(float2 light, float3 flux) {
+    NormalsLit made = { light, flux };
+    return made;
+}
+
+// The same with the mean normal, for samplers.
+NormalsLit normals_rectangle_lit(NormalsView view, float3 corners[4], bool two_sided) {
     // Orient both sides so that they rise. A corner below the surface slides up along its side.
     float2 falls = float2(corners[1].z, corners[3].z) < corners[0].zz ? (float2)1.0 : (float2)0.0;
     float3 along = corners[1] - corners[0];
@@ -196,7 +208,7 @@ float2 normals_rectangle(NormalsView view, float3 corners[4], bool two_sided) {
     float3 right = low + x;
     float3 left = low + y;
     if (right.z + y.z <= 0.0) {
-        return (float2)0.0;
+        return NormalsLitOf((float2)0.0, (float3)0.0);
     }
     float2 slide = -1.0 / max(float2(x.z, y.z), (float2)1e-15);
     float3 right_up = right + saturate(right.z * slide.y) * y;
@@ -213,11 +225,17 @@ float2 normals_rectangle(NormalsView view, float3 corners[4], bool two_sided) {
     NormalsCorner d = normals_corner(view, left_up);
     sum = normals_add(view, normals_add(view, sum, high, d, true), d, a, true);
     float projected = (falls.x != falls.y ? -1.0 : 1.0) * dot(sum.flux, view.stretched);
-    return normals_mean(view, sum, projected, two_sided);
+    return NormalsLitOf(normals_mean(view, sum, projected, two_sided), sum.flux);
 }
 
-// The reflected light of a convex polygon with 3 to 8 vertices, as in normals_rectangle.
-float2 normals_polygon(NormalsView view, float3 vertices[8], uint count, bool two_sided) {
+// The reflected light of a rectangle of radiance one: for a Fresnel factor of one (x), and weighted by Schlick's
+// (1 - wo . h)^5 (y).
+float2 normals_rectangle(NormalsView view, float3 corners[4], bool two_sided) {
+    return normals_rectangle_lit(view, corners, two_sided).light;
+}
+
+// The same with the mean normal, for samplers.
+NormalsLit normals_polygon_lit(NormalsView view, float3 vertices[8], uint count, bool two_sided) {
     uint number = clamp(count, 3u, 8u);
     float3 a = vertices[number - 1u];
     NormalsCorner setting = normals_corner(view, a);
@@ -241,7 +259,12 @@ float2 normals_polygon(NormalsView view, float3 vertices[8], uint count, bool tw
         }
     }
     sum = normals_add(view, sum, setting, rising, false);
-    return normals_mean(view, sum, dot(sum.flux, view.stretched), two_sided);
+    return NormalsLitOf(normals_mean(view, sum, dot(sum.flux, view.stretched), two_sided), sum.flux);
+}
+
+// The reflected light of a convex polygon with 3 to 8 vertices, as in normals_rectangle.
+float2 normals_polygon(NormalsView view, inout float3 vertices[8], uint count, bool two_sided) {
+    return normals_polygon_lit(view, vertices, count, two_sided).light;
 }
 
 // The reflected light of a disk, replaced by the regular octagon of the same area. The disk emits towards half_x x

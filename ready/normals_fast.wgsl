@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// ltcforge 0.1.0, revision 3, sha256 of the text below: 740c511d102a7a40
+// ltcforge 0.1.0, revision 3, sha256 of the text below: 4b9c8ee38f209d60
 // Area lights on GGX without a table, in the space of its normals, by rule fast.
 //
 //   normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
 //   normals_rectangle, normals_polygon, normals_disk  for each light. Vertices are relative to the point in this frame and
 //       run clockwise as seen from the side that emits. The third corner of a rectangle is not read.
 //       Light of radiance L arrives as L (f0 (x - y) + f90 y).
+//   normals_rectangle_lit, normals_polygon_lit  light is the same; flux is for sampler_normals_about of the samplers.
 //
 // CHECK of the rectangle (-1 -1 1) (1 -1 1) (1 1.5 -0.5) (-1 1.5 -0.5), alpha_x alpha_y (wo): x y, within 0.00002
 //   0.3 0.15 (0.36 0.48 0.8): 0.692584 0.000055
@@ -163,9 +164,21 @@ fn normals_mean(view: NormalsView, sum: NormalsSum, projected: f32, two_sided: b
     return weight * vec2(1.0, schlick * (1.0 + more.y * (1.0 - schlick)));
 }
 
+/// Reflected light, and the integral of c x dc along the image of the light's outline: it points along the mean normal or
+/// against it.
+struct NormalsLit {
+    light: vec2<f32>,
+    flux: vec3<f32>,
+}
+
 /// The reflected light of a rectangle of radiance one: for a Fresnel factor of one (x), and weighted by Schlick's
 /// (1 - wo . h)^5 (y).
 fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided: bool) -> vec2<f32> {
+    return normals_rectangle_lit(view, corners, two_sided).light;
+}
+
+/// The same with the mean normal, for samplers.
+fn normals_rectangle_lit(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided: bool) -> NormalsLit {
     // Orient both sides so that they rise. A corner below the surface slides up along its side.
     let falls = select(vec2(0.0), vec2(1.0), vec2(corners[1].z, corners[3].z) < corners[0].zz);
     let along = corners[1] - corners[0];
@@ -176,7 +189,7 @@ fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided:
     let right = low + x;
     let left = low + y;
     if (right.z + y.z <= 0.0) {
-        return vec2(0.0);
+        return NormalsLit(vec2(0.0), vec3(0.0));
     }
     let slide = -1.0 / max(vec2(x.z, y.z), vec2(1e-15));
     let right_up = right + saturate(right.z * slide.y) * y;
@@ -193,11 +206,16 @@ fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided:
     let d = normals_corner(view, left_up);
     sum = normals_add(view, normals_add(view, sum, high, d, true), d, a, true);
     let projected = select(1.0, -1.0, falls.x != falls.y) * dot(sum.flux, view.stretched);
-    return normals_mean(view, sum, projected, two_sided);
+    return NormalsLit(normals_mean(view, sum, projected, two_sided), sum.flux);
 }
 
 /// The reflected light of a convex polygon with 3 to 8 vertices, as in normals_rectangle.
 fn normals_polygon(view: NormalsView, vertices: ptr<function, array<vec3<f32>, 8>>, count: u32, two_sided: bool) -> vec2<f32> {
+    return normals_polygon_lit(view, vertices, count, two_sided).light;
+}
+
+/// The same with the mean normal, for samplers.
+fn normals_polygon_lit(view: NormalsView, vertices: ptr<function, array<vec3<f32>, 8>>, count: u32, two_sided: bool) -> NormalsLit {
     let number = clamp(count, 3u, 8u);
     var a = (*vertices)[number - 1u];
     var setting = normals_corner(view, a);
@@ -221,7 +239,7 @@ fn normals_polygon(view: NormalsView, vertices: ptr<function, array<vec3<f32>, 8
         }
     }
     sum = normals_add(view, sum, setting, rising, false);
-    return normals_mean(view, sum, dot(sum.flux, view.stretched), two_sided);
+    return NormalsLit(normals_mean(view, sum, dot(sum.flux, view.stretched), two_sided), sum.flux);
 }
 
 /// The reflected light of a disk, replaced by the regular octagon of the same area. The disk emits towards half_x x

@@ -1,6 +1,18 @@
+/// Reflected light, and the integral of c x dc along the image of the light's outline: it points along the mean normal or
+/// against it.
+struct NormalsLit {
+    light: vec2<f32>,
+    flux: vec3<f32>,
+}
+
 /// The reflected light of a rectangle of radiance one: for a Fresnel factor of one (x), and weighted by Schlick's
 /// (1 - wo . h)^5 (y).
 fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided: bool) -> vec2<f32> {
+    return normals_rectangle_lit(view, corners, two_sided).light;
+}
+
+/// The same with the mean normal, for samplers.
+fn normals_rectangle_lit(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided: bool) -> NormalsLit {
     // Orient both sides so that they rise. A corner below the surface slides up along its side.
     let falls = select(vec2(0.0), vec2(1.0), vec2(corners[1].z, corners[3].z) < corners[0].zz);
     let along = corners[1] - corners[0];
@@ -11,7 +23,7 @@ fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided:
     let right = low + x;
     let left = low + y;
     if (right.z + y.z <= 0.0) {
-        return vec2(0.0);
+        return NormalsLit(vec2(0.0), vec3(0.0));
     }
     let slide = -1.0 / max(vec2(x.z, y.z), vec2(1e-15));
     let right_up = right + saturate(right.z * slide.y) * y;
@@ -28,11 +40,16 @@ fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided:
     let d = normals_corner(view, left_up);
     sum = normals_add(view, normals_add(view, sum, high, d, true), d, a, true);
     let projected = select(1.0, -1.0, falls.x != falls.y) * dot(sum.flux, view.stretched);
-    return normals_mean(view, sum, projected, two_sided);
+    return NormalsLit(normals_mean(view, sum, projected, two_sided), sum.flux);
 }
 
 /// The reflected light of a convex polygon with 3 to 8 vertices, as in normals_rectangle.
 fn normals_polygon(view: NormalsView, vertices: ptr<function, array<vec3<f32>, 8>>, count: u32, two_sided: bool) -> vec2<f32> {
+    return normals_polygon_lit(view, vertices, count, two_sided).light;
+}
+
+/// The same with the mean normal, for samplers.
+fn normals_polygon_lit(view: NormalsView, vertices: ptr<function, array<vec3<f32>, 8>>, count: u32, two_sided: bool) -> NormalsLit {
     let number = clamp(count, 3u, 8u);
     var a = (*vertices)[number - 1u];
     var setting = normals_corner(view, a);
@@ -56,5 +73,5 @@ fn normals_polygon(view: NormalsView, vertices: ptr<function, array<vec3<f32>, 8
         }
     }
     sum = normals_add(view, sum, setting, rising, false);
-    return normals_mean(view, sum, dot(sum.flux, view.stretched), two_sided);
+    return NormalsLit(normals_mean(view, sum, dot(sum.flux, view.stretched), two_sided), sum.flux);
 }

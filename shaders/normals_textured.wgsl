@@ -64,3 +64,42 @@ fn normals_bump(view: NormalsView, frame: NormalsFrame, flux: vec3<f32>) -> Norm
 fn normals_square(v: vec2<f32>) -> vec3<f32> {
     return vec3(v.x * v.x, v.x * v.y, v.y * v.y);
 }
+
+/// A rectangle with a picture or a lamp's profile: the two parts of the whole light, and the mean reflected colour.
+fn normals_shown_rectangle(
+    view: NormalsView,
+    corners: array<vec3<f32>, 4>,
+    two_sided: bool,
+    picture: u32,
+    base: f32,
+    is_profile: bool,
+) -> NormalsTextured {
+    let lit = normals_rectangle_lit(view, corners, two_sided);
+    if (lit.light.x <= 0.0) {
+        return NormalsTextured(vec2(0.0), vec3(0.0));
+    }
+    let frame = normals_frame(corners);
+    let colour = normals_colour(view, frame, normals_bump(view, frame, lit.flux), picture, base, is_profile);
+    return NormalsTextured(lit.light, colour);
+}
+
+/// A rectangle with a picture.
+fn normals_textured_rectangle(
+    view: NormalsView,
+    corners: array<vec3<f32>, 4>,
+    two_sided: bool,
+    picture: u32,
+    base: f32,
+) -> NormalsTextured {
+    return normals_shown_rectangle(view, corners, two_sided, picture, base, false);
+}
+
+/// A lamp with an IES profile, stored as 512 x 512 texels.
+fn normals_profile_rectangle(
+    view: NormalsView,
+    corners: array<vec3<f32>, 4>,
+    two_sided: bool,
+    picture: u32,
+) -> NormalsTextured {
+    return normals_shown_rectangle(view, corners, two_sided, picture, 8.0, true);
+}

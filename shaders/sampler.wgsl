@@ -50,20 +50,25 @@ fn sampler_unit(v: vec3<f32>) -> vec3<f32> {
     return v * inverseSqrt(dot(v, v) + 1e-36);
 }
 
-/// The angle between two unit vectors, divided by its sine. Relative error below 8e-4.
-fn sampler_angle(a: vec3<f32>, b: vec3<f32>) -> f32 {
-    let h = dot(a, b) + 1.0000002;
-    return (2.2214415 + h * 0.4152027) * inverseSqrt(h) + (-0.9720743 + h * -0.0933735);
-}
-
-/// The integral of c x dc along an arc.
+/// The integral of c x dc along an arc between unit vectors. The angle has a relative error below 8e-4. The sum of the
+/// vectors keeps the digits of arcs of nearly 180 degrees.
 fn sampler_arc(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
-    return sampler_angle(a, b) * cross(a, b);
+    let sum = a + b;
+    let h = 0.5 * dot(sum, sum) + 1e-12;
+    let per_sine = (2.2214415 + h * 0.4152027) * inverseSqrt(h) + (-0.9720743 + h * -0.0933735);
+    return per_sine * cross(a, sum);
 }
 
 /// Half of the solid angle of a triangle of unit vectors with this volume.
+/// 1 + a.b + b.c + c.a is the product of two sums of vectors. The two smallest sums keep the digits of long triangles.
 fn sampler_half(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, volume: f32) -> f32 {
-    return ltc_atan2(abs(volume), 1.0 + dot(a, b) + dot(b, c) + dot(c, a));
+    let ab = a + b;
+    let bc = b + c;
+    let ca = c + a;
+    let squares = vec3(dot(ab, ab), dot(bc, bc), dot(ca, ca));
+    let by_a_or_b = select(dot(ab, bc), dot(ab, ca), squares.y > squares.z);
+    let is_c = squares.x > max(squares.y, squares.z);
+    return ltc_atan2(abs(volume), select(by_a_or_b, dot(bc, ca), is_c));
 }
 
 /// The map of GGX that is exact at the normal h.
@@ -107,8 +112,22 @@ fn sampler_about(alpha: vec2<f32>, wo: vec3<f32>, flux: vec3<f32>, sum: vec3<f32
     let s = sampler_unit(vec3(alpha * wo.xy, wo.z));
     let middle = select(flux, -flux, dot(flux, sum) < 0.0) + 1e-4 * sum;
     let unturned = 0.70710678 * middle + (0.29289322 * dot(s, middle)) * s;
-    let size = 0.15915494 * sqrt(dot(middle, middle));
-    let unit = sampler_unit(unturned);
+    return sampler_around(alpha, wo, s, unturned, dot(middle, middle));
+}
+
+/// The same for flux of normals_rectangle_lit. It loses its digits for tiny lights: the normal that reflects the light's
+/// highest corner then replaces it.
+fn sampler_about_mean(alpha: vec2<f32>, wo: vec3<f32>, flux: vec3<f32>, highest: vec3<f32>) -> SamplerMap {
+    let s = sampler_unit(vec3(alpha * wo.xy, wo.z));
+    let corner = (sqrt(dot(highest, highest)) * wo + highest) / vec3(alpha, 1.0);
+    let middle = select(-flux, flux, dot(flux, s) > 0.0) + 1e-4 * sampler_unit(corner);
+    return sampler_around(alpha, wo, s, middle, dot(middle, middle));
+}
+
+/// The map of GGX for the stretched normal middle. flux2 is the squared length of the integral of c x dc.
+fn sampler_around(alpha: vec2<f32>, wo: vec3<f32>, s: vec3<f32>, middle: vec3<f32>, flux2: f32) -> SamplerMap {
+    let size = 0.15915494 * sqrt(flux2);
+    let unit = sampler_unit(middle);
     // Large lights get fewer samples near the horizon, and cover highlights that bend.
     let c = unit + (4.0 * size + max(0.3 - dot(unit, s), 0.0)) * s;
     let larger = max(alpha.x, alpha.y);
@@ -163,7 +182,7 @@ fn sampler_begin(map: SamplerMap, part: SamplerPart) -> SamplerRectangle {
     let unit_e = e * per_e;
     let unit_f = f * per_f;
     // All volumes are multiples of one. This keeps the digits of tiny lights.
-    let volume = dot(cross(x, y), unit_g);
+    let volume = map.det * dot(cross(part.x, part.y), part.highest) * per_g;
     let halves = vec3(
         sampler_half(unit_g, unit_h, unit_d, volume * per_h * per_d * (part.h * part.d.y)),
         sampler_half(unit_g, unit_d, unit_e, volume * per_d * per_e * (part.d.x * part.e.y - part.d.y * part.e.x)),
@@ -191,6 +210,13 @@ fn sampler_normals(alpha_x: f32, alpha_y: f32, wo: vec3<f32>, corners: array<vec
     return sampler_begin(sampler_about(alpha, wo, flux, g + h + d + e + f), part);
 }
 
+/// The same for the flux of normals_rectangle_lit. It costs less.
+fn sampler_normals_about(alpha_x: f32, alpha_y: f32, wo: vec3<f32>, flux: vec3<f32>, corners: array<vec3<f32>, 4>, two_sided: bool) -> SamplerRectangle {
+    let alpha = max(vec2(alpha_x, alpha_y), vec2(1e-5));
+    let part = sampler_part(corners, two_sided);
+    return sampler_begin(sampler_about_mean(alpha, wo, flux, part.highest), part);
+}
+
 /// The sampler of a rectangle for an LTC with the matrix m, as for sampler_normals. The unit matrix is for diffuse
 /// surfaces.
 fn sampler_ltc(m: mat3x3<f32>, corners: array<vec3<f32>, 4>, two_sided: bool) -> SamplerRectangle {
@@ -205,7 +231,8 @@ fn sampler_in_triangle(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, half_angle: f32
     let side = sampler_unit(ac + 0.5 * dot(ac, ac) * a);
     let ab = b - a;
     let den = turned.y * abs(dot(cross(a, ab), side)) - turned.x * dot(ab, side);
-    let num = turned.x * (2.0 - 0.5 * dot(ab, ab));
+    let sum = a + b;
+    let num = 0.5 * turned.x * dot(sum, sum);
     let size = den * den + num * num;
     let per_size = 1.0 / max(size, 1e-30);
     // A triangle without area: any of its points will do.

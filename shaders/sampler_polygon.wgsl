@@ -62,22 +62,22 @@ fn sampler_begin_polygon(map: SamplerMap, outline: SamplerOutline) -> SamplerPol
     let highest = map.to * outline.highest;
     let g = sampler_unit(highest);
     light.corners[0] = g;
+    let per_volume = map.det * inverseSqrt(dot(highest, highest) + 1e-36);
     var before = vec3(0.0);
     var a = g;
     var per_a = 0.0;
     for (var i = 1u; i < 9u; i++) {
         if (i < outline.count) {
-            let x = map.to * outline.corners[i];
-            let b = highest + x;
+            let b = highest + map.to * outline.corners[i];
             let per_b = inverseSqrt(dot(b, b) + 1e-36);
             light.corners[i] = b * per_b;
             if (i > 1u) {
-                let volume = dot(cross(before, x), g) * per_a * per_b;
+                let volume = dot(cross(before, outline.corners[i]), outline.highest) * per_volume * per_a * per_b;
                 let half_angle = sampler_half(g, a, b * per_b, volume);
                 light.halves[i - 2u] = half_angle;
                 light.total += half_angle;
             }
-            before = x;
+            before = outline.corners[i];
             a = b * per_b;
             per_a = per_b;
         }
@@ -105,6 +105,13 @@ fn sampler_normals_polygon(alpha_x: f32, alpha_y: f32, wo: vec3<f32>, vertices: 
         }
     }
     return sampler_begin_polygon(sampler_about(alpha, wo, flux + sampler_arc(a, g), sum), outline);
+}
+
+/// The same for the flux of normals_polygon_lit. It costs less.
+fn sampler_normals_about_polygon(alpha_x: f32, alpha_y: f32, wo: vec3<f32>, flux: vec3<f32>, vertices: ptr<function, array<vec3<f32>, 8>>, count: u32, two_sided: bool) -> SamplerPolygon {
+    let alpha = max(vec2(alpha_x, alpha_y), vec2(1e-5));
+    let outline = sampler_outline(vertices, count, two_sided);
+    return sampler_begin_polygon(sampler_about_mean(alpha, wo, flux, outline.highest), outline);
 }
 
 /// The sampler of a convex polygon with 3 to 8 vertices for an LTC, as sampler_ltc.

@@ -92,18 +92,28 @@ impl From<CommandFailure> for LineFailure {
 /// Rows on standard output: CSV with a header, or one JSON document per line.
 pub(super) struct Rows<'a> {
     out: BufWriter<&'a mut dyn Write>,
+    /// The header, until it is printed. An error in the first line leaves the output empty.
+    header: Option<String>,
     json: bool,
     out_of_range: OutOfRangeCount,
 }
 
 impl<'a> Rows<'a> {
-    /// Prints the header, unless the output is JSON.
-    pub(super) fn new(context: &'a mut Context<'_>, columns: &[String]) -> Result<Self, CommandFailure> {
-        let mut out = BufWriter::new(&mut *context.stdout as &mut dyn Write);
-        if !context.json {
-            writeln!(out, "{}", columns.join(",")).map_err(|error| CommandFailure::stdout(&error))?;
+    /// Rows with these columns. JSON has no header.
+    pub(super) fn new(context: &'a mut Context<'_>, columns: &[String]) -> Self {
+        Self {
+            out: BufWriter::new(&mut *context.stdout as &mut dyn Write),
+            header: (!context.json).then(|| columns.join(",")),
+            json: context.json,
+            out_of_range: OutOfRangeCount::default(),
         }
-        Ok(Self { out, json: context.json, out_of_range: OutOfRangeCount::default() })
+    }
+
+    fn print_header(&mut self) -> Result<(), CommandFailure> {
+        match self.header.take() {
+            Some(header) => writeln!(self.out, "{header}").map_err(|error| CommandFailure::stdout(&error)),
+            None => Ok(()),
+        }
     }
 
     /// Prints a row. `clamped` lists the coordinates of its point that were outside the table's range.
@@ -113,6 +123,7 @@ impl<'a> Rows<'a> {
         row: impl FnOnce() -> String,
         value: impl FnOnce() -> Value,
     ) -> Result<(), LineFailure> {
+        self.print_header()?;
         self.out_of_range.count(clamped.unwrap_or_default());
         let written = if self.json {
             let mut value = value();
@@ -128,6 +139,7 @@ impl<'a> Rows<'a> {
 
     /// Finishes the output. CSV cannot show clamped points, so a summary of them goes to standard error.
     pub(super) fn end(mut self) -> Result<Exit, CommandFailure> {
+        self.print_header()?;
         self.out.flush().map_err(|error| CommandFailure::stdout(&error))?;
         if !self.json && !self.out_of_range.is_empty() {
             eprintln!("{}", self.out_of_range);

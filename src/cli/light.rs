@@ -37,7 +37,7 @@ pub(super) fn run(args: &LightArgs, context: &mut Context<'_>) -> Result<Exit, C
         eprintln!("material: alpha {} {} is clamped to 1", material.alpha_x, material.alpha_y);
     }
     let columns = columns(args);
-    let mut rows = Rows::new(context, &columns)?;
+    let mut rows = Rows::new(context, &columns);
     let format = CaseFormat { shape: args.light, material: args.material.map(AnisotropicRoughness::within_bounds) };
     // The errors that the input line did not cause. The numbers of these results are unknown, as NaN.
     let mut unknown = Vec::new();
@@ -83,7 +83,10 @@ pub(super) fn run(args: &LightArgs, context: &mut Context<'_>) -> Result<Exit, C
             if let (Some(occluders), AnyLight::Polygon(light)) = (&occluders, light) {
                 let found = truth_of(&brdf, TRUTH_TOLERANCE, &at, light)
                     .and_then(|whole| shadowed(&brdf, &at, light, whole, occluders, SHADOW_DRAWS));
-                numbers.extend(known(found.map(|found| vec![found.energy, found.fresnel]), 2)?);
+                let reflected = |found: ReflectedLight| args.f0.map(|f0| found.schlick(f0, args.f90));
+                let found =
+                    found.map(|found| [found.energy, found.fresnel].into_iter().chain(reflected(found)).collect());
+                numbers.extend(known(found, shadow_columns(args).len())?);
             }
             let clamped = chosen.as_ref().map(|AnyTable { table, origin, .. }| clamped(&at, table, origin.range()));
             // Each number has the fewest digits that parse to the same f64. Unknown numbers are empty.
@@ -114,7 +117,11 @@ const SHADOW_DRAWS: u32 = 1 << 16;
 
 /// The last columns of a row.
 fn shadow_columns(args: &LightArgs) -> &'static [&'static str] {
-    if args.occluders.is_some() { &["shadowed_energy", "shadowed_fresnel"] } else { &[] }
+    match (&args.occluders, args.f0) {
+        (None, _) => &[],
+        (Some(_), None) => &["shadowed_energy", "shadowed_fresnel"],
+        (Some(_), Some(_)) => &["shadowed_energy", "shadowed_fresnel", "shadowed_reflected"],
+    }
 }
 
 /// Functions that evaluate a light, by a model or by quadrature.

@@ -48,8 +48,8 @@ pub struct LightArgs {
     /// CSV of occluders; also print the true shadowed light
     ///
     /// Lines: sphere,x,y,z,radius or box,x0,y0,z0,x1,y1,z1 or triangle,x0,y0,z0,x1,y1,z1,x2,y2,z2, in the frame of the
-    /// lights. Boxes are axis-aligned. Only for polygons
-    #[arg(long, value_name = "FILE", conflicts_with = "material")]
+    /// lights. Boxes are axis-aligned. Only for polygons, and not with --material, --texture, --f82 or --compensate
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["material", "texture", "f82", "compensate"])]
     pub occluders: Option<PathBuf>,
     /// Picture on rectangular lights; prints the reflected channels
     ///

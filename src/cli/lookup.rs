@@ -29,7 +29,7 @@ pub(super) fn run(args: &LookupArgs, context: &mut Context<'_>) -> Result<Exit, 
     let AnyTable { table, origin, .. } = AnyTable::read(&args.table)?;
     let points = CsvLines::open(&args.points, "points")?;
     let has_edge = table.terms().is_some_and(|terms| terms.edge().is_some());
-    let mut rows = Rows::new(context, &columns(table.second_matrices().is_some(), has_edge))?;
+    let mut rows = Rows::new(context, &columns(table.second_matrices().is_some(), has_edge));
     let material = args.material.map(|number| material(&table, number)).transpose()?;
     points.each(points::is_header, |line| {
         let line = match material {

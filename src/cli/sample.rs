@@ -29,7 +29,7 @@ const COLUMNS: [&str; 5] = ["light", "x", "y", "z", "pdf"];
 /// Prints the directions of each line as soon as the line is read. A light that is not visible has none.
 pub(super) fn run(args: &SampleArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let lines = CsvLines::open(&args.lights, "lights")?;
-    let mut rows = Rows::new(context, &COLUMNS.map(str::to_owned))?;
+    let mut rows = Rows::new(context, &COLUMNS.map(str::to_owned));
     let format = CaseFormat { shape: LightShape::Polygon, material: None };
     let mut number = 0;
     lines.each(

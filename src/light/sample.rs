@@ -96,15 +96,37 @@ impl LightSampler {
         let sum: DVec3 = corners.iter().sum();
         let flux: DVec3 = ends(&corners).map(|(a, b)| a.cross(b) * angle_per_sine(a, b)).sum();
         let flux = if flux.dot(sum) < 0.0 { -flux } else { flux } + 1e-4 * sum;
-        let size = flux.length() / TAU;
         // T^-1 flux
-        let middle = (flux / SQRT_2 + (1.0 - 1.0 / SQRT_2) * s.dot(flux) * s).normalize_or_zero();
+        let middle = flux / SQRT_2 + (1.0 - 1.0 / SQRT_2) * s.dot(flux) * s;
+        Ok(Self::about(alpha, wo, middle, flux.length() / TAU, &visible))
+    }
+
+    /// As [`Self::normals`], around a known mean normal: `flux` of [`Region`](super::normals::Region). This saves the
+    /// first map.
+    ///
+    /// # Errors
+    /// As [`Self::normals`].
+    pub fn normals_about(at: &Configuration, light: &PolygonLight, flux: DVec3) -> Result<Self, LightError> {
+        let (alpha, wo) = surface_and_view(at)?;
+        let visible = above_surface(light)?;
+        // Digits of the flux are lost for tiny lights. The normal that reflects a corner replaces it.
+        let p = visible.first().copied().unwrap_or(DVec3::Z);
+        let corner = (p.length() * wo + p) / DVec3::new(alpha[0], alpha[1], 1.0);
+        let middle = flux + 1e-4 * corner.normalize();
+        Ok(Self::about(alpha, wo, middle, middle.length() / TAU, &visible))
+    }
+
+    /// The sampler around the stretched normal `middle`, of any length, for a light that covers the part `size` of the
+    /// hemisphere.
+    fn about(alpha: [f64; 2], wo: DVec3, middle: DVec3, size: f64, visible: &[DVec3]) -> Self {
+        let s = stretched(alpha, wo);
+        let middle = middle.normalize_or_zero();
         let mut c = middle + (TOWARDS_VIEW * size + (LEAST_TURN - middle.dot(s)).max(0.0)) * s;
         c.z = c.z.max(0.0);
         let h = (DVec3::new(alpha[0], alpha[1], 1.0) * c).normalize();
         let more = BEND * size * alpha[0].max(alpha[1]).powi(2);
         let wide = [alpha[0] + more * wo.x.abs(), alpha[1] + more * wo.y.abs()];
-        Ok(Self::new(tangent_map(wide, wo, stretched(wide, wo), h), &visible))
+        Self::new(tangent_map(wide, wo, stretched(wide, wo), h), visible)
     }
 
     /// Samples where an LTC with the matrix `m` reflects the light. The unit matrix is for diffuse surfaces.

@@ -94,18 +94,19 @@ const COSTS: &[(&str, [u32; 3])] = &[
     ("asg, compensated", [64, 1898, 2992]),
     ("ltc reflected, layers", [64, 1565, 2961]),
     ("ltc ltc2017, layers", [64, 1022, 1942]),
-    ("normals balanced, textured 4", [80, 2059, 3076]),
-    ("normals balanced, textured 1", [80, 1789, 2681]),
-    ("normals balanced, textured 2", [80, 1879, 2813]),
-    ("normals balanced, textured 6", [80, 2240, 3340]),
-    ("normals fast, textured 4", [80, 1769, 2641]),
-    ("normals fine, textured 4", [80, 2879, 4304]),
+    ("normals balanced, textured 4", [80, 2070, 3088]),
+    ("normals balanced, textured 1", [80, 1797, 2694]),
+    ("normals balanced, textured 2", [80, 1890, 2827]),
+    ("normals balanced, textured 6", [80, 2253, 3355]),
+    ("normals fast, textured 4", [80, 1783, 2655]),
+    ("normals fine, textured 4", [80, 2891, 4317]),
     ("ltc reflected, textured 4", [64, 1147, 1916]),
-    ("sampler of normals", [56, 764, 1459]),
-    ("sampler of normals, a draw", [48, 903, 1712]),
-    ("sampler of normals, two draws", [48, 1063, 2015]),
-    ("sampler of normals, a density", [56, 720, 1375]),
-    ("sampler of a matrix, a draw", [48, 557, 1032]),
+    ("sampler of normals", [56, 835, 1601]),
+    ("sampler of normals, a draw", [56, 983, 1871]),
+    ("sampler of normals, two draws", [56, 1141, 2173]),
+    ("sampler of normals, a density", [56, 789, 1513]),
+    ("sampler about a mean normal", [56, 601, 1141]),
+    ("sampler of a matrix, a draw", [48, 620, 1162]),
     ("ltc2017, clipless", [40, 311, 548]),
     ("ltc2017, stretched", [40, 328, 588]),
     ("kt2022, its own", [48, 713, 833]),
@@ -153,7 +154,7 @@ mod tests {
         {
             let [plain, with] = [text.to_owned(), format!("{text}, textured 4")]
                 .map(|name| GpuCost::of(&name).unwrap_or_else(|| panic!("no row {name}")));
-            assert!(with.instructions <= plain.instructions + 650, "{text}: {plain:?} {with:?}");
+            assert!(with.instructions <= plain.instructions + 660, "{text}: {plain:?} {with:?}");
             assert!(with.registers <= plain.registers + registers, "{text}: {plain:?} {with:?}");
         }
     }

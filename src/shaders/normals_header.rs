@@ -79,6 +79,7 @@ Area lights on GGX without a table, in the space of its normals, by rule {rule}.
   normals_rectangle, normals_polygon, normals_disk  for each light. Vertices are relative to the point in this frame and
       run clockwise as seen from the side that emits. The third corner of a rectangle is not read.
       Light of radiance L arrives as L (f0 (x - y) + f90 y).
+  normals_rectangle_lit, normals_polygon_lit  light is the same; flux is for sampler_normals_about of the samplers.
 ";
 
 /// The description of the example program.

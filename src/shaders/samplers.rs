@@ -23,13 +23,15 @@ FUNCTIONS
   sampler_normals(alpha_x, alpha_y, wo, corners, two_sided)  once for a point and a rectangle on GGX. wo is the view in
       the tangent frame, normal +z. Corners are relative to the point in this frame and run clockwise as seen from the
       side that emits. The third corner is not read.
+  sampler_normals_about(alpha_x, alpha_y, wo, flux, corners, two_sided)  the same, cheaper, with the flux that
+      normals_rectangle_lit of model normals returns.
   sampler_ltc(m, corners, two_sided)  the same for the matrix of a table. Pass the unit matrix for diffuse surfaces.
   sampler_draw(sampler, u)  a direction wi, and its density pdf per steradian. u: two numbers in [0, 1). pdf is 0 if the
       light is not visible.
   sampler_pdf(sampler, wi)  the density of a direction that hits the light.
   sampler_draw_either, sampler_pdf_either(specular, diffuse, share, ...)  choose one of two samplers by its energy.
-  sampler_normals_polygon, sampler_ltc_polygon, sampler_draw_polygon, sampler_pdf_polygon  the same for convex polygons
-      with 3 to 8 vertices.
+  sampler_normals_polygon, sampler_normals_about_polygon, sampler_ltc_polygon, sampler_draw_polygon,
+      sampler_pdf_polygon  the same for convex polygons with 3 to 8 vertices.
   sampler_minus_hidden(light, hidden, count), sampler_by_ratio(light, seen, all)  combine draws with the analytic light.
 
 USE
@@ -95,8 +97,9 @@ fn ltc_included() -> @location(0) vec4<f32> {
     let drawn = sampler_draw_either(specular, diffuse, 0.5, u);
     let polygon = sampler_normals_polygon(0.5, 0.5, wo, &vertices, 5u, true);
     let by_matrix = sampler_draw_polygon(sampler_ltc_polygon(m, &vertices, 5u, true), u);
-    let other = sampler_draw_polygon(polygon, u);
-    let pdf = drawn.pdf + by_matrix.pdf + sampler_pdf_polygon(polygon, other.wi);
+    let other = sampler_draw_polygon(sampler_normals_about_polygon(0.5, 0.5, wo, wo, &vertices, 5u, true), u);
+    let about = sampler_draw(sampler_normals_about(0.5, 0.5, wo, wo, corners, true), u);
+    let pdf = drawn.pdf + by_matrix.pdf + about.pdf + sampler_pdf_polygon(polygon, other.wi);
     return vec4(sampler_minus_hidden(drawn.wi, by_matrix.wi, 1.0) + sampler_by_ratio(wo, drawn.wi, other.wi), pdf);
 }
 ";

@@ -20,35 +20,6 @@ PICTURES ON LIGHTS
       second corner to the side towards the fourth.
 ";
 
-/// The comment of the rule's rectangle with a picture.
-const ABOUT_SHOWN: &str = "\
-/// A rectangle with a picture or a lamp's profile: the two parts of the whole light, and the mean reflected colour.
-";
-
-/// The two functions that call the rule's rectangle.
-const SHOWN: &str = "
-/// A rectangle with a picture.
-fn normals_textured_rectangle(
-    view: NormalsView,
-    corners: array<vec3<f32>, 4>,
-    two_sided: bool,
-    picture: u32,
-    base: f32,
-) -> NormalsTextured {
-    return normals_shown_rectangle(view, corners, two_sided, picture, base, false);
-}
-
-/// A lamp with an IES profile, stored as 512 x 512 texels.
-fn normals_profile_rectangle(
-    view: NormalsView,
-    corners: array<vec3<f32>, 4>,
-    two_sided: bool,
-    picture: u32,
-) -> NormalsTextured {
-    return normals_shown_rectangle(view, corners, two_sided, picture, 8.0, true);
-}
-";
-
 /// The bindings of the pictures and their sampler. They follow the bindings of the table.
 fn bindings(lit_by: LitBy, reading: Reading) -> [u32; 2] {
     let first = match (lit_by.layout(), reading.bound) {
@@ -73,36 +44,13 @@ impl LitBy {
             .replace("TexturedLobe", lobe);
         let shared = prefixed(&shared, "textured", own);
         let of_model = match self.model() {
-            LightModel::Normals => format!("{}\n{}", ltcforge_wgsl::NORMALS_TEXTURED, Self::normals_rectangle()),
+            LightModel::Normals => ltcforge_wgsl::NORMALS_TEXTURED.to_owned(),
             _ if self.additions().cut => {
                 ltcforge_wgsl::LTC_TEXTURED.replace("= ltc_rectangle(", "= ltc_cut_rectangle(")
             }
             _ => ltcforge_wgsl::LTC_TEXTURED.to_owned(),
         };
         format!("\n{shared}\n{of_model}")
-    }
-
-    /// `normals_rectangle` with a picture: the same code, followed by the colour for the same outline.
-    fn normals_rectangle() -> String {
-        let text = ltcforge_wgsl::NORMALS_RECTANGLE;
-        let begins = text.find("fn normals_rectangle(").unwrap_or(0);
-        let ends = text[begins..].find("\n}\n").map_or(text.len(), |length| begins + length + 3);
-        let rectangle = text[begins..ends]
-            .replace("fn normals_rectangle(", "fn normals_shown_rectangle(")
-            .replace(
-                "two_sided: bool) -> vec2<f32> {",
-                "two_sided: bool, picture: u32, base: f32, is_profile: bool) -> NormalsTextured {",
-            )
-            .replace("return vec2(0.0);", "return NormalsTextured(vec2(0.0), vec3(0.0));")
-            .replace("    return normals_mean(", "    let parts = normals_mean(");
-        let body = rectangle.trim_end_matches("}\n");
-        format!(
-            "{ABOUT_SHOWN}{body}    let frame = normals_frame(corners);
-    let colour = normals_colour(view, frame, normals_bump(view, frame, sum.flux), picture, base, is_profile);
-    return NormalsTextured(parts, colour);
-}}
-{SHOWN}"
-        )
     }
 
     /// The text for pictures in the preview. The preview declares textures, sampler and number of texture reads for all

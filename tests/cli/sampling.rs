@@ -30,8 +30,9 @@ fn sample_prints_directions_with_their_densities() {
     assert!((uniform[0][4] * solid_angle - 1.0).abs() < 1e-9);
     assert!(sample(&["--count", "0"]).exited(2).stderr.contains("0 is not in 1..=1000000"));
     let bent = "0.5,0.25,0.7,0.3,2,-1,-1,2,-1,1,2.2,1,1,2,1,-1,2\n";
-    let refused = run_with_stdin(here.path(), ["sample", "-"], bent).exited(2).stderr;
-    assert!(refused.contains("line 1: the light is not planar: vertex"), "{refused}");
+    let refused = run_with_stdin(here.path(), ["sample", "-"], bent).exited(2);
+    assert!(refused.stderr.contains("line 1: the light is not planar: vertex"), "{}", refused.stderr);
+    assert_eq!(refused.stdout, "");
 }
 
 #[test]
@@ -48,6 +49,13 @@ fn occluders_hide_light() {
     }
     let half = rows(&with("box,0,-9,0.5,9,9,0.6\n").exited(0).stdout);
     assert!(half[0][4] > 0.1 * half[0][2] && half[0][4] < 0.9 * half[0][2], "{half:?}");
+    let plastic = run_with_stdin(here.path(), ["light", "-", "--f0", "0.04", "--occluders", "o.csv"], LIGHTS).exited(0);
+    assert!(
+        plastic.stdout.starts_with("energy,fresnel,reflected,shadowed_energy,shadowed_fresnel,shadowed_reflected\n")
+    );
+    for row in rows(&plastic.stdout) {
+        assert!((row[5] - (0.04 * (row[3] - row[4]) + row[4])).abs() < 1e-12, "{row:?}");
+    }
     let closed = "triangle,-50,-50,0.5,50,-50,0.5,0,50,0.5\nbox,-9,-9,0.1,9,9,0.2\n";
     for row in rows(&with(closed).exited(0).stdout) {
         assert!(row[4].abs() < 1e-3 * row[2] && row[5].abs() < 1e-3 * row[2], "{row:?}");
@@ -59,6 +67,8 @@ fn occluders_hide_light() {
         let refused = with(line).exited(2).stderr;
         assert!(refused.contains(said), "{refused}");
     }
+    let compensated = ["light", "-", "--f0", "1", "--compensate", "--occluders", "o.csv"];
+    assert!(run_with_stdin(here.path(), compensated, LIGHTS).exited(2).stderr.contains("'--occluders <FILE>'"));
     let disks = run_with_stdin(here.path(), ["light", "-", "--light", "sphere", "--occluders", "o.csv"], "");
     assert!(disks.exited(2).stderr.contains("--occluders is only for polygons, not for a sphere"));
     let both = run_with_stdin(here.path(), ["light", "-", "--occluders", "-"], LIGHTS);

@@ -192,6 +192,11 @@ fn sampled() -> impl Iterator<Item = Program> {
         ("sampler of normals, a draw", normals, first),
         ("sampler of normals, two draws", normals, second),
         ("sampler of normals, a density", normals, density),
+        (
+            "sampler about a mean normal",
+            "sampler_normals_about(alpha.x, alpha.y, local.wo, light.corners[2].xyw, local.corners, false)",
+            set_up,
+        ),
         // The compiler cannot know this matrix.
         (
             "sampler of a matrix, a draw",
