@@ -83,7 +83,7 @@ fn the_variance_of_eight_sets_is_small() {
             let region = region(
                 lit.alpha(),
                 lit.wo().to_array(),
-                &lit.vertices.iter().map(|v| v.to_array()).collect::<Vec<_>>(),
+                &lit.vertices.iter().map(glam::DVec3::to_array).collect::<Vec<_>>(),
                 Sides::Two,
                 NormalsRule::Balanced,
             );

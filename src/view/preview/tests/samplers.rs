@@ -140,7 +140,7 @@ fn exact(entry: &str, single: &Single) -> Option<(Ggx, DVec3, PolygonLight, Ligh
     let corners: Vec<DVec3> = single.corners.iter().map(|corner| corner.as_dvec3()).collect();
     let light = PolygonLight::new(corners, Sides::Two).ok()?;
     let sampler = if entry == "about_means" {
-        let vertices: Vec<[f64; 3]> = light.vertices().iter().map(|v| v.to_array()).collect();
+        let vertices: Vec<[f64; 3]> = light.vertices().iter().map(glam::DVec3::to_array).collect();
         let region = region([alpha_x, alpha_y], wo.to_array(), &vertices, Sides::Two, NormalsRule::Balanced);
         LightSampler::normals_about(&at, &light, region.map_or(DVec3::ZERO, |region| region.flux.into())).ok()?
     } else {
