@@ -19,13 +19,13 @@ use ltcforge_files::{
     digest::Digest,
     recipe_document::{canonical_json, digest as digest_of},
 };
-use ltcforge_fit::{BrdfKind, GoOn, Layout, Recipe, Table};
+use ltcforge_fit::{BrdfKind, GoOn, Recipe, Table};
 use ltcforge_light::LightShape;
 use ltcforge_plan::{
     Budget, Figure, Form, GpuLimit, Needs, Scene, SceneError, SceneLight, TablePlan, check as figures_of, document,
     left_out, of_other_models, words,
 };
-use ltcforge_textures::{About, CompactContainer, Engine, Export, TextureLayout};
+use ltcforge_textures::{About, CompactContainer, Engine, Export};
 use ltcforge_view::plan::plan_picture;
 
 /// `plan`.
@@ -115,16 +115,15 @@ pub(super) fn run(args: &PlanArgs, context: &mut Context<'_>) -> Result<Exit, Co
         return check(&scene, &table, (args, &pool), context);
     }
     check_output_folder(&args.out)?;
-    let layout = args.engine.and_then(engine_layout);
     let gpu = GpuLimit { registers: args.registers, instructions: args.instructions };
     let form = Form {
-        layout,
         any_nodes: args.any_nodes,
         no_terms: args.no_terms,
         ship: args.ship,
-        engine: exported(args),
         gpu,
+        ..Form::of_engine(args.engine)
     };
+    let layout = form.layout;
     let engine = args.engine.filter(|_| layout.is_some());
     if let Some(engine) = engine.filter(|_| Needs::of(&scene, true).is_some()) {
         scene.notes.push(format!(
@@ -221,24 +220,13 @@ fn lights(path: &Path) -> Result<Vec<SceneLight>, CommandFailure> {
     for (index, line) in text.lines().enumerate().filter(|(_, line)| !format.is_header(line)) {
         let number = index + 1;
         let placed = format.placed(line).map_err(|why| usage(format!("{}, line {number}: {why}", path.display())))?;
-        let light = |(_, light)| SceneLight { name: format!("light in line {number}"), light, radiance: 1.0 };
+        let light = |(_, light)| SceneLight::new(format!("light in line {number}"), light, [1.0; 3]);
         lights.extend(placed.map(light));
     }
     if lights.is_empty() || lights.len() > MOST_LIGHTS {
         return Err(usage(format!("{}: {} lights; use 1 to {MOST_LIGHTS}", path.display(), lights.len())));
     }
     Ok(lights)
-}
-
-/// The layout of an engine's tables; `None` for an engine that reads tables of any layout.
-fn engine_layout(engine: Engine) -> Option<Layout> {
-    let textures = engine.layout().and_then(|name| TextureLayout::named(name).ok());
-    textures.map(|textures| textures.sampling().table)
-}
-
-/// The engine whose files are written: textures of your own renderer have halves, as the plan's tables have.
-fn exported(args: &PlanArgs) -> Option<Engine> {
-    args.engine.map(|engine| if engine == Engine::Wgpu { Engine::WgpuHalf } else { engine })
 }
 
 /// Fits the table of a plan and measures it. If this changes the choice, does the same for the new choice.
@@ -271,7 +259,7 @@ fn write_table(
     // Sheen tables have no compact form.
     let shipped = args.ship && compact::check_lobes(table).is_ok();
     let compact = shipped.then_some(Export::Compact(CompactContainer::Bytes));
-    if let Some(export) = exported(args).map(Export::Engine).or(compact) {
+    if let Some(export) = Form::of_engine(args.engine).engine.map(Export::Engine).or(compact) {
         let error = export::measured(table, Some(recipe));
         for file in export.bundle(table, About::of_table(digest, Some(recipe), error)).map_err(usage)?.files {
             files.push(shown(&write_in(&args.out, &file.path, &file.bytes)?));

@@ -1,5 +1,6 @@
 //! A plan as JSON: `plan.json`.
 
+use glam::DVec3;
 use serde_json::{Value, json};
 
 use crate::{
@@ -7,10 +8,10 @@ use crate::{
     figures::worst,
     histogram::span,
     plan::{Fitted, TablePlan},
-    scene::{Scene, SceneLobe, SceneMaterial},
+    scene::{Scene, SceneLight, SceneLobe, SceneMaterial},
 };
 use ltcforge_files::recipe_document::{canonical_json, digest};
-use ltcforge_fit::{Recipe, fit_seconds};
+use ltcforge_fit::{Recipe, Sides, fit_seconds};
 
 /// Version of the document.
 const VERSION: u32 = 1;
@@ -33,10 +34,18 @@ pub fn document(scene: &Scene, plans: &[TablePlan<'_>]) -> Value {
             "triangles": scene.triangles,
             "cameras": scene.cameras,
             "notes": scene.notes,
-            "lights": scene.lights.iter().map(|light| &light.name).collect::<Vec<_>>(),
+            "lights": scene.lights.iter().map(light).collect::<Vec<_>>(),
             "materials": scene.materials.iter().map(material).collect::<Vec<_>>(),
         },
         "tables": plans.iter().map(table).collect::<Vec<_>>(),
+    })
+}
+
+fn light(SceneLight { name, light, rgb, .. }: &SceneLight) -> Value {
+    let points: Vec<[f64; 3]> = light.points.iter().map(DVec3::to_array).collect();
+    json!({
+        "name": name, "shape": light.shape.name(), "two_sided": light.sides == Sides::Two, "points": points,
+        "length": light.length, "radiance": rgb,
     })
 }
 

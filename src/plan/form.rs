@@ -2,7 +2,7 @@
 
 use ltcforge_fit::Layout;
 use ltcforge_shaders::GpuLimit;
-use ltcforge_textures::Engine;
+use ltcforge_textures::{Engine, TextureLayout};
 
 /// The form of a plan's tables.
 #[derive(Debug, Clone, Copy, Default)]
@@ -19,4 +19,18 @@ pub struct Form {
     pub engine: Option<Engine>,
     /// The GPU limits of the shader that reads the table.
     pub gpu: GpuLimit,
+}
+
+impl Form {
+    /// The form of tables for an engine, in the engine's own layout if it has one. Textures of your own renderer have
+    /// halves, as the plan's tables have.
+    #[must_use]
+    pub fn of_engine(engine: Option<Engine>) -> Self {
+        let textures = engine.and_then(Engine::layout).and_then(|name| TextureLayout::named(name).ok());
+        Self {
+            layout: textures.map(|textures| textures.sampling().table),
+            engine: engine.map(|engine| if engine == Engine::Wgpu { Engine::WgpuHalf } else { engine }),
+            ..Self::default()
+        }
+    }
 }

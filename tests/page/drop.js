@@ -1,4 +1,5 @@
-// Drops a scene on the list of tables: picture, plan, planned table, errors of materials, and the files for an engine.
+// Drops a scene on the list of tables: picture, its own light, plan, planned table, errors of materials, and the files for an
+// engine. Then does the same with the keyboard only.
 
 import { createRequire } from 'node:module';
 import { readFile } from 'node:fs/promises';
@@ -31,7 +32,13 @@ await withWorld( async ( { open } ) => {
 
 	const page = await open( 'tables' );
 	await page.locator( 'h1' ).waitFor();
-	const scene = [ ...glb( sphere( 24, { name: 'blue plastic', pbrMetallicRoughness: { metallicFactor: 0, roughnessFactor: 0.5, baseColorFactor: [ 0.05, 0.1, 0.5, 1 ] } } ) ) ];
+	// In the viewer, the light is at (0, 0, 3), with sides of length 1 and 0.5.
+	const lit = sphere( 24, { name: 'blue plastic', pbrMetallicRoughness: { metallicFactor: 0, roughnessFactor: 0.5, baseColorFactor: [ 0.05, 0.1, 0.5, 1 ] } } );
+	lit.document.extensionsUsed = [ 'EXT_lights_area' ];
+	lit.document.extensions = { EXT_lights_area: { lights: [ { type: 'rect', size: 1, rect: { aspect: 2 }, intensity: 100 } ] } };
+	lit.document.nodes.push( { translation: [ 4, 5, 12 ], extensions: { EXT_lights_area: { light: 0 } } } );
+	lit.document.scenes[ 0 ].nodes.push( 2 );
+	const scene = [ ...glb( lit ) ];
 	const data = await page.evaluateHandle( ( bytes ) => {
 
 		const data = new DataTransfer();
@@ -48,6 +55,7 @@ await withWorld( async ( { open } ) => {
 	const sentence = await panel.locator( 'p' ).first().textContent();
 	await page.waitForFunction( () => /%/.test( document.querySelector( '.scene tbody td:last-child' ).textContent ) );
 	const material = await panel.locator( 'tbody tr' ).first().innerText();
+	const light = await Promise.all( [ 'x', 'y', 'z', 'width', 'height' ].map( ( name ) => page.locator( `#view-light_${ name }` ).inputValue().then( Number ) ) );
 
 	// The diffuse part is visible: the lit half of the sphere is blue.
 	const blue = await page.evaluate( () => {
@@ -89,6 +97,39 @@ await withWorld( async ( { open } ) => {
 	await page.evaluate( () => new Promise( ( done ) => indexedDB.deleteDatabase( 'ltcforge' ).onsuccess = done ) );
 	await page.reload();
 	const missing = await page.locator( '.controls .notice' ).textContent();
-	return { size, first, digest, sentence, material, blue, violations, name: download.suggestedFilename(), names: Object.keys( files ).sort(), readme: files[ 'README.md' ], missing };
+	// The same with the keyboard only: open a file, choose both sides, move the border, choose an engine, and save the files.
+	const presses = async ( done, key = 'Tab' ) => {
+
+		for ( let i = 0; i < 120; i ++ ) {
+
+			if ( await page.evaluate( done ) ) return;
+			await page.keyboard.press( key );
+
+		}
+
+		throw new Error( `no element after 120 times ${ key }: ${ done }` );
+
+	};
+
+	await presses( () => document.activeElement.id === 'mesh' );
+	const chooser = page.waitForEvent( 'filechooser' );
+	await page.keyboard.press( 'Space' );
+	await ( await chooser ).setFiles( { name: 'keys.glb', mimeType: 'model/gltf-binary', buffer: Buffer.from( scene ) } );
+	await page.waitForFunction( () => /planned table/.test( document.querySelector( '.page-viewer .shown .figures tbody th' )?.textContent ) );
+	await presses( () => document.activeElement.id === 'model' );
+	await page.keyboard.press( 'Home' );
+	await presses( () => document.activeElement.value === 'engines', 'ArrowDown' );
+	await presses( () => document.activeElement.id === 'against' );
+	await presses( () => document.activeElement.value === 'ltc-formula', 'ArrowDown' );
+	await presses( () => document.activeElement.matches( '.stage svg' ) );
+	await page.keyboard.press( ']' );
+	const keyed = await page.evaluate( () => Object.fromEntries( [ ...new URLSearchParams( location.hash.split( '?' )[ 1 ] ) ].filter( ( [ name ] ) => [ 'table', 'against', 'split' ].includes( name ) ) ) );
+	await presses( () => document.activeElement.id === 'view-engine' );
+	await presses( () => document.activeElement.value === 'three', 'ArrowUp' );
+	await presses( () => document.activeElement.matches( '.scene .primary' ) );
+	const forThree = page.waitForEvent( 'download' );
+	await page.keyboard.press( 'Enter' );
+	const three = unzipped( await readFile( await ( await forThree ).path() ) );
+	return { light, keyed, three: { names: Object.keys( three ).sort(), readme: three[ 'README.md' ], recipe: JSON.parse( three[ 'recipe.json' ] ) }, size, first, digest, sentence, material, blue, violations, name: download.suggestedFilename(), names: Object.keys( files ).sort(), readme: files[ 'README.md' ], missing };
 
 } );

@@ -189,7 +189,7 @@ fn pictures_on_lights_agree_with_the_command() {
     }
     assert!(seen["reference"].as_f64().is_some_and(|apart| apart.abs() < REFERENCE_OFF), "{seen:#}");
     // The mean error below the picture, and the mean error of `--truth` over the picture.
-    for model in ["table", "ltc-formula"] {
+    for model in ["table", "ltc-formula", "normals"] {
         let [told, wanted] = [0, 1].map(|i| seen["errors"][model][i].as_f64().expect("an error"));
         assert!(wanted > 1e-3 && (told / wanted - 1.0).abs() < ERROR_OFF, "{model}: {seen:#}");
     }
@@ -211,6 +211,10 @@ fn the_viewer_is_used_and_its_link_contains_the_scene() {
     assert_eq!(gestures["keys"][0], json!(9.99), "{seen:#}");
     assert_eq!((&gestures["keys"][2], &gestures["border"]), (&json!(0.55), &json!(0.75)), "{seen:#}");
     assert_eq!(gestures["reset"], json!([9, 0, 0.2]), "{seen:#}");
+    // Fingers twice as far apart halve the distance.
+    assert!((gestures["pinched"].as_f64().unwrap_or_default() - 4.5).abs() < 0.2, "{seen:#}");
+    let shadows = ["off", "4"].map(|way| seen["shadows"][way].as_f64().unwrap_or_default());
+    assert!(shadows[0] > 0.05 && shadows[1] < 0.3 * shadows[0], "{seen:#}");
     // The tip of the handle follows the pointer, except for the curvature of its way.
     for (axis, wanted) in [-25.0, 25.0].into_iter().enumerate() {
         let moved = gestures["turned"][axis].as_f64().unwrap_or_default();
@@ -262,6 +266,7 @@ fn a_scene_dropped_on_any_page_is_lit_planned_and_packed_for_an_engine() {
     let Some(seen) = script("drop.js", &[]) else { return };
     assert_eq!(seen["first"], "Left: engines, table of 2017", "{seen:#}");
     assert!(seen["size"].as_f64().is_some_and(|bytes| bytes > 50_000.0 && bytes < VIEWER_BYTES), "{seen:#}");
+    assert_eq!(seen["light"], json!([0, 0, 3, 0.5, 0.25]), "{seen:#}");
     let digest = seen["digest"].as_str().unwrap_or_default();
     assert!(seen["sentence"].as_str().is_some_and(|text| text.contains("1 material")), "{seen:#}");
     let material = seen["material"].as_str().unwrap_or_default();
@@ -272,6 +277,12 @@ fn a_scene_dropped_on_any_page_is_lit_planned_and_packed_for_an_engine() {
     assert!(["README.md", "ltc.json", "ltcforge.json"].iter().all(|name| names.contains(name)), "{seen:#}");
     assert!(names.iter().any(|name| name.starts_with("include/ltc-")), "{seen:#}");
     assert!(seen["readme"].as_str().is_some_and(|text| text.contains(digest)) && digest.len() > 64, "{seen:#}");
+    assert_eq!(seen["keyed"], json!({ "table": "engines", "against": "ltc-formula", "split": "0.55" }), "{seen:#}");
+    let three = &seen["three"];
+    let names = three["names"].to_string();
+    assert!(["README.md", "recipe.json", "ltc.js", "include/"].iter().all(|name| names.contains(name)), "{seen:#}");
+    assert_eq!(three["recipe"]["layout"], "ltc2017", "{seen:#}");
+    assert!(three["readme"].as_str().is_some_and(|text| text.contains("planned for this scene")), "{seen:#}");
     assert!(seen["missing"].as_str().is_some_and(|text| text.contains("does not have ball.glb")), "{seen:#}");
 }
 

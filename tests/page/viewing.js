@@ -62,6 +62,15 @@ await withWorld( async ( { service, open } ) => {
 	await drag( handle.x + handle.width / 2 - stage.x, handle.y + handle.height / 2 - stage.y, - 25, 25 );
 	const moved = await page.locator( '.stage .turn' ).boundingBox();
 	gestures.turned = [ moved.x - handle.x, moved.y - handle.y ];
+	// Two fingers that move apart zoom in.
+	const client = await page.context().newCDPSession( page );
+	const [ x, y ] = [ stage.x + stage.width * 0.6, stage.y + stage.height * 0.85 ];
+	const touch = ( type, half ) => client.send( 'Input.dispatchTouchEvent', { type, touchPoints: half ? [ x - half, x + half ].map( ( x, id ) => ( { x, y, id } ) ) : [] } );
+	await touch( 'touchStart', 20 );
+	for ( const half of [ 25, 30, 35, 40 ] ) await touch( 'touchMove', half );
+	await touch( 'touchEnd' );
+	gestures.pinched = await number( 'camera_distance' );
+	await page.mouse.dblclick( stage.x + stage.width * 0.3, stage.y + stage.height * 0.9 );
 	await page.locator( '#view-light_yaw' ).fill( '0' );
 	await page.locator( '#view-light_pitch' ).fill( '0' );
 	// Adds a light, makes it a tube, drags it away from the camera, and removes it.
@@ -102,6 +111,17 @@ await withWorld( async ( { service, open } ) => {
 	const listed = await service.fit( { ...SMALL, layout: 'materials', precision: 'f16', materials: [ { alpha: 0.3 } ], resolution: { theta: 2, phi: 2 } } );
 	await page.evaluate( ( hash ) => location.hash = hash, `#/viewer?table=${ listed }&size=256&spp=8` );
 	const ofList = await page.locator( '.page-viewer .figures tbody th' ).first().textContent();
-	return { gestures, kept, outlines, linked, left, restored, refused, ofList };
+
+	// Occluders hide parts of the light, in the truth and in a model with shadows.
+	const shadows = {};
+	for ( const way of [ 'off', '4' ] ) {
+
+		await page.evaluate( ( hash ) => location.hash = hash, `#/viewer?table=ltc-formula&occluders=ball_and_box&shadows=${ way }&size=256&spp=512&alpha_x=0.3&alpha_y=0.2` );
+		await page.waitForFunction( ( way ) => location.hash.includes( `shadows=${ way }` ) && Number( document.querySelector( '.stage canvas' )?.dataset.samples ) >= 512, way );
+		shadows[ way ] = await page.evaluate( () => JSON.parse( document.querySelector( '.stage canvas' ).dataset.errors ).sides[ 0 ].mean );
+
+	}
+
+	return { shadows, gestures, kept, outlines, linked, left, restored, refused, ofList };
 
 } );

@@ -27,8 +27,18 @@ pub struct SceneLight {
     pub name: String,
     /// Its shape in the coordinates of the scene.
     pub light: PlacedLight,
-    /// The radiance.
+    /// The radiance: the luminance of `rgb`.
     pub radiance: f64,
+    /// The radiance in linear red, green and blue.
+    pub rgb: [f64; 3],
+}
+
+impl SceneLight {
+    /// A light with the luminance of a colour.
+    #[must_use]
+    pub fn new(name: String, light: PlacedLight, rgb: [f64; 3]) -> Self {
+        Self { name, light, radiance: luminance(rgb), rgb }
+    }
 }
 
 /// A point of a scene's surface with one of its lobes, as it is seen and lit.
@@ -61,7 +71,7 @@ pub(super) fn read(
         let index = light.filter(|light| *light < listed.len()).ok_or_else(missing)?;
         let name = named(listed[index].name.as_deref(), || format!("light {index}"));
         match area_light(&listed[index], index, world)? {
-            Some((light, radiance)) => lights.push(SceneLight { name, light, radiance }),
+            Some((light, rgb)) => lights.push(SceneLight::new(name, light, rgb)),
             None => notes.push(format!("{name}: a light of type {} is not read", shown(&listed[index].kind))),
         }
     }
@@ -80,7 +90,7 @@ pub(super) fn read(
 }
 
 /// A light of `EXT_lights_area` with its radiance. It shines along -Z. `None` for an unknown shape.
-fn area_light(light: &AreaLight, index: usize, world: &DMat4) -> Result<Option<(PlacedLight, f64)>, SceneError> {
+fn area_light(light: &AreaLight, index: usize, world: &DMat4) -> Result<Option<(PlacedLight, [f64; 3])>, SceneError> {
     let (size, aspect, intensity) =
         (light.size.unwrap_or(1.0), light.rect.aspect.unwrap_or(1.0), light.intensity.unwrap_or(1.0));
     let color = light.color.unwrap_or([1.0; 3]);
@@ -106,7 +116,7 @@ fn area_light(light: &AreaLight, index: usize, world: &DMat4) -> Result<Option<(
         let first = usize::from(shape == LightShape::Disk);
         points[first..].reverse();
     }
-    Ok(Some((PlacedLight { shape, sides: Sides::One, points, length: 0.0 }, intensity * luminance(color))))
+    Ok(Some((PlacedLight { shape, sides: Sides::One, points, length: 0.0 }, color.map(|part| intensity * part))))
 }
 
 /// Adds the triangles of small meshes that emit light.
@@ -125,7 +135,9 @@ fn emissive(
             let material = &document.materials[index];
             let emission: Emission =
                 extension(&format!("/materials/{index}"), &material.extensions, "KHR_materials_emissive_strength")?;
-            let radiance = luminance(material.emissive_factor) * emission.emissive_strength.unwrap_or(1.0);
+            let strength = emission.emissive_strength.unwrap_or(1.0);
+            let rgb = material.emissive_factor.map(|part| strength * part);
+            let radiance = luminance(rgb);
             if !(radiance > 0.0 && radiance <= MOST) {
                 continue;
             }
@@ -151,7 +163,7 @@ fn emissive(
                     }
                     let sides = if material.double_sided { Sides::Two } else { Sides::One };
                     let light = PlacedLight { shape: LightShape::Polygon, sides, points, length: 0.0 };
-                    lights.push(SceneLight { name: name.clone(), light, radiance });
+                    lights.push(SceneLight::new(name.clone(), light, rgb));
                 }
             }
         }

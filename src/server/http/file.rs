@@ -123,7 +123,7 @@ pub(super) fn media_type(name: &str) -> &'static str {
         "css" => "text/css; charset=utf-8",
         "js" => "text/javascript; charset=utf-8",
         "svg" => "image/svg+xml",
-        "txt" | "h" | "rs" | "cs" | "wgsl" => "text/plain; charset=utf-8",
+        "txt" | "h" | "rs" | "cs" | "wgsl" | "glsl" => "text/plain; charset=utf-8",
         "json" => "application/json",
         "ktx2" => "image/ktx2",
         "dds" => "image/vnd.ms-dds",

@@ -23,9 +23,9 @@ use super::{
 use crate::service::published_table;
 use ltcforge_files::digest::Digest;
 use ltcforge_fit::Layout;
-use ltcforge_light::{LightModel, textured::Readings};
+use ltcforge_light::{LightModel, normals::NormalsRule, textured::Readings};
 use ltcforge_shaders::{Additions, Language, Lights, LitBy, Namespace, Reading};
-use ltcforge_translate::{include, include_prefilter};
+use ltcforge_translate::{include, include_prefilter, include_samplers};
 
 /// The page may run its own modules and call this service. Pictures and videos have `blob:` URLs.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; media-src blob:; \
@@ -50,6 +50,36 @@ page_files![
     "form/inputs.js",
     "form/plan.js",
     "form/tradeoff.js",
+    "glsl/blended_lobes.glsl",
+    "glsl/covered.glsl",
+    "glsl/diffuse.glsl",
+    "glsl/display.glsl",
+    "glsl/edge.glsl",
+    "glsl/engines.glsl",
+    "glsl/errors.glsl",
+    "glsl/estevez.glsl",
+    "glsl/formula.glsl",
+    "glsl/ggx.glsl",
+    "glsl/glow.glsl",
+    "glsl/lights.glsl",
+    "glsl/mesh.glsl",
+    "glsl/mesh_vertex.glsl",
+    "glsl/neubelt.glsl",
+    "glsl/normals.glsl",
+    "glsl/one.glsl",
+    "glsl/outlines.glsl",
+    "glsl/reflected.glsl",
+    "glsl/sampled_lights.glsl",
+    "glsl/sampling.glsl",
+    "glsl/sheen.glsl",
+    "glsl/sides.glsl",
+    "glsl/sum.glsl",
+    "glsl/surface.glsl",
+    "glsl/surface_point.glsl",
+    "glsl/targets.glsl",
+    "glsl/truth.glsl",
+    "glsl/two_lobes.glsl",
+    "glsl/visible.glsl",
     "gltf/read.js",
     "gltf/textures.js",
     "icon.svg",
@@ -81,6 +111,7 @@ page_files![
     "viewer/controls.js",
     "viewer/lights.js",
     "viewer/models.js",
+    "viewer/own_lights.js",
     "viewer/picture.js",
     "viewer/planned.js",
     "viewer/scene.js",
@@ -89,21 +120,21 @@ page_files![
     "viewer/stage.js",
     "webgl/context.js",
     "webgl/device.js",
-    "webgl/display.js",
-    "webgl/lights.js",
-    "webgl/models.js",
     "webgl/pictures.js",
-    "webgl/reference.js",
-    "webgl/surface.js",
+    "webgl/shaders.js",
 ];
 
-/// The shader for a file name without extension: `normals`, `ltc-formula` or `ltc-LAYOUT`, with `-two-lobes` for tables
-/// with two lobes. All names can end in `-textured` for lights that show pictures.
+/// The shader for a file name without extension: `normals`, `normals-RULE`, `ltc-formula` or `ltc-LAYOUT`, with
+/// `-two-lobes` for tables with two lobes. All names can end in `-textured` for lights that show pictures.
 fn lit_by(name: &str) -> Option<(LitBy, Reading)> {
     let (name, is_textured) = without(name, "-textured");
     let additions = Additions { textured: is_textured.then(|| Readings::ALL[0]), ..Additions::default() };
     if let Some(model) = [LightModel::Normals, LightModel::LtcFormula].iter().find(|model| model.name() == name) {
         return Some((LitBy::new(*model, None).ok()?.with(additions).ok()?, Reading::default()));
+    }
+    if let Some(rule) = name.strip_prefix("normals-") {
+        let rule = NormalsRule::SHADED.iter().copied().find(|known| known.name() == rule)?;
+        return Some((LitBy::new(LightModel::Normals, None).ok()?.by_rule(Some(rule)).ok()?, Reading::default()));
     }
     let (layout, two_lobes) = without(name.strip_prefix("ltc-")?, "-two-lobes");
     let layout = Layout::ALL.iter().find(|known| known.name() == layout)?;
@@ -119,14 +150,21 @@ fn page_file(name: &'static str, bytes: &'static [u8]) -> PageFile {
     (name, Bytes::from_static(bytes), Digest::of(bytes))
 }
 
-/// The shader that `ltcforge shader --language glsl-es` prints, or the prefilter for pictures on lights.
+/// The languages of shaders by the extension of their files.
+const LANGUAGES: [(&str, Language); 3] =
+    [("glsl", Language::GlslEs), ("wgsl", Language::Wgsl), ("hlsl", Language::Hlsl)];
+
+/// The shader that `ltcforge shader` prints, the samplers, or the prefilter for pictures on lights.
 fn shader_text(file: &str) -> Result<String, Problem> {
-    let name = file.strip_suffix(".glsl").ok_or_else(|| no_file(file))?;
-    let text = if name == "prefilter" {
-        include_prefilter(Language::GlslEs)
-    } else {
-        let (lit_by, reading) = lit_by(name).ok_or_else(|| no_file(file))?;
-        include(Language::GlslEs, lit_by, reading, Lights::All, &Namespace::default())
+    let (name, extension) = file.rsplit_once('.').ok_or_else(|| no_file(file))?;
+    let (_, language) = LANGUAGES.into_iter().find(|(known, _)| *known == extension).ok_or_else(|| no_file(file))?;
+    let text = match name {
+        "prefilter" => include_prefilter(language),
+        "samplers" => include_samplers(language),
+        _ => {
+            let (lit_by, reading) = lit_by(name).ok_or_else(|| no_file(file))?;
+            include(language, lit_by, reading, Lights::All, &Namespace::default())
+        }
     };
     text.map_err(|error| error::internal(&error))
 }
@@ -236,11 +274,15 @@ mod tests {
         let layouts = Layout::ALL.iter().flat_map(|layout| ["", "-two-lobes"].map(|of| format!("ltc-{layout}{of}")));
         let models =
             layouts.chain(["normals".to_owned()]).flat_map(|of| ["", "-textured"].map(|end| format!("{of}{end}")));
-        for name in models.chain(["prefilter".to_owned()]) {
+        let others = ["prefilter", "samplers", "normals-fast"].map(str::to_owned);
+        for name in models.chain(others) {
             let answer = respond(&format!("{name}.glsl"), &Asked::default()).expect(&name);
             assert_eq!(answer.headers()[header::CONTENT_TYPE], "text/plain; charset=utf-8", "{name}");
         }
-        for name in ["ltc-none.glsl", "normals", "normals.hlsl", "-textured.glsl"] {
+        for name in ["normals-fast.wgsl", "ltc-ltc2017.hlsl"] {
+            assert!(respond(name, &Asked::default()).is_ok(), "{name}");
+        }
+        for name in ["ltc-none.glsl", "normals", "normals.msl", "normals-exact.glsl", "-textured.glsl"] {
             assert_eq!(respond(name, &Asked::default()).expect_err(name).status(), 404);
         }
     }

@@ -15,6 +15,7 @@ use super::{
 };
 use crate::service::{Planned, SCENE_LIMIT_BYTES, SceneForm};
 use ltcforge_plan::{Budget, Form, GpuLimit};
+use ltcforge_textures::Engine;
 
 /// Maximum size of a list of materials.
 const LIST_LIMIT_BYTES: u64 = 1 << 20;
@@ -34,6 +35,7 @@ pub(super) struct PlanParameters {
     no_terms: bool,
     registers: Option<u32>,
     instructions: Option<u32>,
+    engine: Option<String>,
 }
 
 impl PlanParameters {
@@ -53,6 +55,14 @@ impl PlanParameters {
     }
 }
 
+/// The engine with a name.
+fn engine(name: &str) -> Result<Engine, Problem> {
+    Engine::ALL.iter().copied().find(|engine| engine.name() == name).ok_or_else(|| {
+        let known: Vec<&str> = Engine::ALL.iter().map(|engine| engine.name()).collect();
+        bad_parameter(&format!("engine={name}: must be one of {}", known.join(", ")))
+    })
+}
+
 /// The response to `POST /v1/plans`.
 #[derive(Debug, Serialize)]
 pub(super) struct PlanView {
@@ -67,9 +77,10 @@ pub(super) async fn plan(
     request: Request,
 ) -> Result<Json<PlanView>, Problem> {
     let budget = parameters.budget()?;
+    let engine = parameters.engine.as_deref().map(engine).transpose()?;
     let PlanParameters { any_nodes, no_terms, registers, instructions, .. } = parameters;
     let gpu = GpuLimit { registers, instructions };
-    let form = Form { any_nodes, no_terms, gpu, ..Form::default() };
+    let form = Form { any_nodes, no_terms, gpu, ..Form::of_engine(engine) };
     let (sent, limit_bytes) = if check_type(request.headers(), GLB).is_ok() {
         (SceneForm::Glb, SCENE_LIMIT_BYTES)
     } else {

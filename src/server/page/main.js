@@ -89,13 +89,10 @@ document.querySelector( '.skip' ).addEventListener( 'click', ( event ) => {
 	main.focus();
 } );
 
-/** What the viewer shows at first: the table of engines, and a light in front of the scene. */
-const DROPPED = { table: 'engines', surface: 'mesh', camera_distance: 4.6, light_y: 1.6, light_z: 2.6, light_width: 1.2, light_height: 0.9, light_intensity: 6 };
-
 // A scene can be dropped on every page. The viewer shows it.
 takeDrops( document, async ( file ) => {
 	await keep( file );
-	const hash = `#/viewer?${ new URLSearchParams( { ...DROPPED, mesh: file.name } ) }`;
+	const hash = `#/viewer?${ new URLSearchParams( { dropped: file.name } ) }`;
 	if ( location.hash === hash ) show();
 	else location.hash = hash;
 } );

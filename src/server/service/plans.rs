@@ -63,7 +63,9 @@ impl Service {
             SceneForm::List => Scene::from_list(&bytes)?,
         };
         let mut plans = Vec::new();
-        for needs in [false, true].into_iter().filter_map(|sheen| Needs::of(&scene, sheen)) {
+        // An engine's own layout holds one scattering model.
+        let models = [false, true].into_iter().filter(|sheen| !sheen || form.layout.is_none());
+        for needs in models.filter_map(|sheen| Needs::of(&scene, sheen)) {
             let plan = self.state.pool.install(|| TablePlan::new(needs, budget, form, &go_on));
             plans.push(plan.map_err(|_| ServiceError::Stopping)?);
         }

@@ -8,9 +8,15 @@ import { textureReader } from './textures.js';
 const [ MOST_BYTES, MOST_TRIANGLES, MOST_NODES, MOST_DEPTH ] = [ 2 ** 26, 2 ** 18, 2 ** 16, 64 ];
 const COMPONENTS = { 5120: Int8Array, 5121: Uint8Array, 5122: Int16Array, 5123: Uint16Array, 5125: Uint32Array, 5126: Float32Array };
 const WIDTHS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT4: 16 };
+
 /** Extensions that a file may require, because this module reads them or can ignore them. */
-const KNOWN = /^KHR_(materials_.*|texture_.*|mesh_quantization|lights_punctual)$/;
+const KNOWN = /^(KHR_(materials_.*|texture_.*|mesh_quantization|lights_punctual)|EXT_lights_area)$/;
+
+/** The largest number of vertices or indices of an emissive mesh that a plan reads as a light. */
+const MOST_OF_LAMP = 64;
+
 const list = ( value ) => Array.isArray( value ) ? value : [];
+
 const numberOf = ( value, otherwise ) => Number.isFinite( value ) ? value : otherwise;
 
 /** The JSON of a file and its binary chunk. */
@@ -196,7 +202,13 @@ function append( { numbers, uv, textures }, budget, primitive, world, read, path
 	return tangents ? '' : 'the file has no tangents, so anisotropy runs around the vertical axis';
 }
 
-/** Moves and scales all positions into the unit sphere around the origin. */
+/** Whether a plan reads a primitive as a light. */
+function isLamp( document, { attributes = {}, indices }, { emissiveFactor, emissiveTexture } ) {
+	const counts = [ ...Object.values( attributes ), indices ].map( ( index ) => document.accessors?.[ index ]?.count ?? 0 );
+	return ! emissiveTexture && list( emissiveFactor ).some( ( channel ) => channel > 0 ) && Math.max( ...counts ) <= MOST_OF_LAMP;
+}
+
+/** Moves and scales all positions into the unit sphere around the origin. Also returns the middle and the radius of the scene. */
 function fitted( meshes ) {
 	const bounds = [ 0, 1, 2 ].map( ( r ) => {
 		let [ least, most ] = [ Infinity, - Infinity ];
@@ -208,10 +220,10 @@ function fitted( meshes ) {
 	for ( const { numbers } of meshes ) for ( let i = 0; i < numbers.length; i += 10 ) radius = Math.max( radius, Math.hypot( ...middle.map( ( x, r ) => numbers[ i + r ] - x ) ) );
 	if ( ! ( radius > 0 && Number.isFinite( radius ) ) ) throw new Error( 'all triangles are at one point, or their positions are not finite' );
 	for ( const { numbers } of meshes ) for ( let i = 0; i < numbers.length; i += 10 ) for ( let r = 0; r < 3; r ++ ) numbers[ i + r ] = ( numbers[ i + r ] - middle[ r ] ) / radius;
-	return meshes.map( ( mesh ) => ( { ...mesh, numbers: new Float32Array( mesh.numbers ), uv: mesh.textures && new Float32Array( mesh.uv ) } ) );
+	return { place: { middle, radius }, meshes: meshes.map( ( mesh ) => ( { ...mesh, numbers: new Float32Array( mesh.numbers ), uv: mesh.textures && new Float32Array( mesh.uv ) } ) ) };
 }
 
-/** Reads a file. Returns one mesh per material, scaled into the unit sphere, and notes about parts that are not shown. */
+/** Reads a file. Returns one mesh per material, scaled into the unit sphere, the place of the scene, and notes about parts that are not shown. */
 export async function readGltf( buffer ) {
 	try {
 		return await found( buffer );
@@ -236,11 +248,12 @@ async function found( buffer ) {
 			const material = document.materials?.[ primitive.material ];
 			const hasPlaces = primitive.attributes?.TEXCOORD_0 !== undefined;
 			const isTextured = hasPlaces && /"index":/.test( JSON.stringify( material ?? {} ) );
-			const key = `${ material ? primitive.material : '' } ${ isTextured }`;
+			const isLight = isLamp( document, primitive, material ?? {} );
+			const key = `${ material ? primitive.material : '' } ${ isTextured } ${ isLight }`;
 			if ( ! byMaterial.has( key ) ) {
 				const [ own, { textures, isBent } ] = [ materialOf( material ), await texturesOf( material ?? {}, hasPlaces ) ];
 				if ( ! isBent ) own.factors.normal_scale = 0;
-				byMaterial.set( key, { name: material?.name || `material ${ byMaterial.size + 1 }`, material: own, textures, numbers: [], uv: [] } );
+				byMaterial.set( key, { name: material?.name || `material ${ byMaterial.size + 1 }`, material: own, textures, isLight, numbers: [], uv: [] } );
 			}
 			try {
 				notes.add( append( byMaterial.get( key ), budget, primitive, world, read, `meshes/${ mesh }/primitives/${ i }` ) );
@@ -250,7 +263,9 @@ async function found( buffer ) {
 		}
 	}
 	if ( faults.size ) throw new Error( [ ...faults ].slice( 0, 8 ).join( '; ' ) );
-	const meshes = [ ...byMaterial.values() ].filter( ( { numbers } ) => numbers.length );
-	if ( ! meshes.length ) throw new Error( 'the file has no triangles' );
-	return { meshes: fitted( meshes ), triangles: budget.triangles, notes: [ ...notes ].filter( Boolean ) };
+	const all = [ ...byMaterial.values() ].filter( ( { numbers } ) => numbers.length );
+	if ( ! all.length ) throw new Error( 'the file has no triangles' );
+	// Lamps are lights, which the viewer draws itself.
+	const surfaces = all.filter( ( { isLight } ) => ! isLight );
+	return { ...fitted( surfaces.length ? surfaces : all ), triangles: budget.triangles, notes: [ ...notes ].filter( Boolean ) };
 }

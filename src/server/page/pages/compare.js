@@ -23,9 +23,9 @@ const FIGURES = [
 	[ 'Entries', ( table ) => table.entries, whole ],
 ];
 
-/** Sizes are comparable for all tables. Errors are comparable for one scattering model and one range of roughnesses. */
+/** Sizes are comparable for all tables. Errors are comparable for one scattering model, one reflectance and one range of roughnesses. */
 const SIZES = [ 'Size', 'Entries' ];
-const domain = ( { recipe: { brdf, range, materials } } ) => JSON.stringify( [ brdf, range, materials ] );
+const domain = ( { recipe: { brdf, fresnel, range, materials } } ) => JSON.stringify( [ brdf, fresnel, range, materials ] );
 
 /** A row of figures. The best value is marked. */
 function figures( name, values, write, isComparable ) {
@@ -52,7 +52,7 @@ export async function show( root, rest, parameters, signal ) {
 	}
 	const isOneDomain = new Set( tables.map( domain ) ).size < 2;
 	const added = known.length > digests.length ? choices.slice( digests.length ) : null;
-	fill( root, bar( 'Compare', el( 'span', { class: 'muted' }, isOneDomain ? 'the best value of each row is marked' : 'errors are not comparable: the tables are for different scattering models or ranges' ), added ) );
+	fill( root, bar( 'Compare', el( 'span', { class: 'muted' }, isOneDomain ? 'the best value of each row is marked' : 'errors are not comparable: the tables are for different scattering models, reflectances or ranges' ), added ) );
 	if ( ! known.length ) {
 		root.append( firstTable( signal ) );
 		return null;

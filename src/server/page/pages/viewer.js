@@ -3,22 +3,31 @@
 import { bar, copyButton, el, facts, fileField, fill, muted, notice, takeDrops } from '../elements/dom.js';
 import { number, percent, short, whole } from '../elements/format.js';
 import { nameOf } from '../elements/recipe.js';
+import { readGltf } from '../gltf/read.js';
 import { call } from '../service/api.js';
 import { keep, kept } from '../service/kept.js';
 import { choice, slider } from '../viewer/controls.js';
 import { lightsPanel } from '../viewer/lights.js';
 import { modelOf, NAMED, textOf } from '../viewer/models.js';
+import { ownLights } from '../viewer/own_lights.js';
 import { planned } from '../viewer/planned.js';
 import { picture } from '../viewer/picture.js';
-import { CHOICES, DIFFUSE, isPictured, link, MOST_PIXELS, PARAMETERS, read } from '../viewer/scene.js';
+import { areNew, CHOICES, DIFFUSE, isPictured, link, MOST_PIXELS, PARAMETERS, read } from '../viewer/scene.js';
 import { stage } from '../viewer/stage.js';
+import { loadShaders } from '../webgl/shaders.js';
 
 /** Members of the scene that do not affect the samples, only their display. */
 const SHOWN = [ 'show', 'split', 'exposure', 'glow' ];
+
 /** The sides to show: name in a link, and label. */
 const SIDES = [ [ 'split', 'both' ], [ 'model', 'left' ], [ 'reference', 'right' ], [ 'difference', 'left minus right' ] ];
+
 /** The surfaces: name in a link, and label. */
 const SURFACES = CHOICES.surface.slice( 0, - 1 ).map( ( name ) => [ name, name.replace( '_', ' ' ) ] );
+
+/** Without a GPU, frames take more milliseconds than this. While the service plans and fits, pauses of so many frames leave it the processor. */
+const [ SLOW, PAUSES ] = [ 30, 10 ];
+
 /** The name of Monte Carlo integration. */
 const TRUTH = 'Monte Carlo integration';
 
@@ -26,7 +35,7 @@ export async function show( root, rest, parameters, signal ) {
 	const scene = read( parameters );
 	const canvas = el( 'canvas', { width: 64, height: 64, role: 'img', 'aria-label': 'The surface under the lights' } );
 	const figures = el( 'div' );
-	const { items } = await call( '/v1/tables?limit=200', { signal } );
+	const [ { items } ] = await Promise.all( [ call( '/v1/tables?limit=200', { signal } ), loadShaders() ] );
 	const known = [ ...new Set( [ scene.table, scene.against, ...items.map( ( { digest } ) => digest ) ] ) ].filter( ( name ) => name && name !== 'normals' && ! Object.hasOwn( NAMED, name ) );
 	const models = [ ...Object.entries( NAMED ), ...known.map( ( digest ) => [ digest, `table ${ nameOf( items.find( ( item ) => item.digest === digest ) ?? { digest } ) }` ] ) ];
 	const lefts = [ [ '', 'normals, no table' ], ...models ];
@@ -35,6 +44,7 @@ export async function show( root, rest, parameters, signal ) {
 	const table = chosen( 'table', 'Left side', lefts, 'model' );
 	const against = chosen( 'against', 'Right side', rights, 'against' );
 	const [ surface, metal, sides ] = [ chosen( 'surface', 'Surface', SURFACES ), chosen( 'metal', 'Material', CHOICES.metal ), chosen( 'show', 'Show', SIDES ) ];
+	const [ occluders, shadows ] = [ chosen( 'occluders', 'Occluders', CHOICES.occluders.map( ( name ) => [ name, name.replaceAll( '_', ' ' ) ] ) ), chosen( 'shadows', 'Shadows', [ [ '4', '4 samples per pixel' ], [ '1', '1 sample per pixel' ], [ 'off', 'only in the truth' ] ] ) ];
 	const [ glow, diffuse ] = [ chosen( 'glow', 'Lights', [ [ 'on', 'shown' ], [ 'off', 'hidden' ] ] ), chosen( 'diffuse', 'Diffuse part', CHOICES.diffuse ) ];
 	const sliders = PARAMETERS.map( ( field ) => slider( field, '', change ) );
 	const split = slider( { name: 'split', label: 'Border at', min: 0, max: 1, step: 0.01 }, '', change );
@@ -42,6 +52,7 @@ export async function show( root, rest, parameters, signal ) {
 	const group = ( legend, ...rows ) => el( 'fieldset', {}, el( 'legend', {}, legend ), rows );
 	const rows = ( ...names ) => sliders.filter( ( { name } ) => names.some( ( prefix ) => name.startsWith( prefix ) ) ).map( ( { row } ) => row );
 	const ofSurface = el( 'div', { class: 'controls' }, metal.row, rows( 'alpha', 'rotation' ) );
+	const ofOccluders = el( 'div', { class: 'controls' }, shadows.row, rows( 'occluder' ) );
 	const lights = lightsPanel( scene, () => change( 'lights', scene.lights ), () => restart() );
 	let pointed = null;
 	const overlay = stage( scene, lights, change, ( place ) => {
@@ -49,10 +60,13 @@ export async function show( root, rest, parameters, signal ) {
 		requestFrame();
 	} );
 	const dropped = planned( ( name ) => {
-		if ( ! lefts.some( ( [ known ] ) => known === name ) ) lefts.push( [ name, `planned table ${ short( name ) }` ] );
+		if ( name.startsWith( 'sha256:' ) ) {
+			const known = lefts.findIndex( ( [ other ] ) => other === name );
+			lefts.splice( known < 0 ? lefts.length : known, 1, [ name, `planned table ${ short( name ) }` ] );
+		}
 		table.offer( lefts, name );
 		change( 'table', name );
-	}, signal );
+	}, useLights, signal );
 	const place = el( 'div', { class: 'stage' }, canvas, overlay.root );
 	fill( root,
 		bar( 'Viewer', null, copyButton( 'Copy link', () => location.href ) ),
@@ -61,17 +75,20 @@ export async function show( root, rest, parameters, signal ) {
 			el( 'form', { class: 'controls', onsubmit: ( event ) => event.preventDefault() },
 				dropped.root,
 				group( 'Compare', table.row, against.row, sides.row, split.row ),
-				group( 'Surface', surface.row, el( 'div', { class: 'field' }, el( 'label', { for: 'mesh' }, 'glTF' ), el( 'div', { class: 'file' }, fileField( 'mesh', '.glb,.gltf', 'Open or drop a file', open ) ) ), opened, ofSurface, diffuse.row ),
 				group( 'Camera', rows( 'camera', 'exposure' ) ),
-				group( 'Lights', glow.row, lights.row ) ) ) );
+				group( 'Surface', surface.row, el( 'div', { class: 'field' }, el( 'label', { for: 'mesh' }, 'glTF' ), el( 'div', { class: 'file' }, fileField( 'mesh', '.glb,.gltf', 'Open or drop a file', open ) ) ), opened, ofSurface, diffuse.row ),
+				group( 'Lights', glow.row, lights.row ),
+				group( 'Shadows', occluders.row, ofOccluders ) ) ) );
 
 	/** The meshes of an opened glTF file. Links do not contain them. */
 	let mesh = null;
+	/** The middle and the radius of the scene in the file. */
+	let sceneAt = null;
 	/** The picture, or null if WebGL 2 is missing. */
 	let drawn = null;
-	/** The models of both sides, where null means the truth, and the shader text that prefilters pictures on lights. */
+	/** The models of both sides, where null means the truth, and shader texts: one prefilters pictures on lights, one samples shadows. */
 	let lit = null;
-	let prefilter = null;
+	let texts = {};
 	let asked = 0;
 	let isWaiting = false;
 	/** Result of the last frame, or null after a change. */
@@ -97,6 +114,9 @@ export async function show( root, rest, parameters, signal ) {
 	/** Pixels per side: those of the screen, or the number in the link. */
 	const size = () => scene.size || Math.min( MOST_PIXELS, Math.max( 64, Math.round( place.clientWidth * devicePixelRatio ) ) );
 
+	/** The shader texts that the scene needs, apart from its models. */
+	const needed = () => [ scene.lights.some( isPictured ) && 'prefilter.glsl', scene.occluders !== 'none' && scene.shadows !== 'off' && 'samplers.glsl' ];
+
 	/** Loads the models that are selected in the scene. */
 	async function choose() {
 		const turn = ++ asked;
@@ -104,9 +124,10 @@ export async function show( root, rest, parameters, signal ) {
 		try {
 			const hasPictures = scene.lights.some( isPictured );
 			const right = scene.against ? modelOf( scene.against === 'normals' ? '' : scene.against, hasPictures ) : null;
-			const found = await Promise.all( [ modelOf( scene.table, hasPictures ), right, hasPictures ? textOf( 'prefilter.glsl' ) : null ] );
+			const [ prefilter, samplers ] = needed().map( ( file ) => file && textOf( file ) );
+			const found = await Promise.all( [ modelOf( scene.table, hasPictures ), right, prefilter, samplers ] );
 			if ( turn !== asked || signal.aborted ) return;
-			prefilter = found.pop();
+			texts = { samplers: found.pop(), prefilter: found.pop() };
 			lit = found;
 			restart();
 		} catch ( error ) {
@@ -116,10 +137,9 @@ export async function show( root, rest, parameters, signal ) {
 
 	async function open( file ) {
 		try {
-			const { readGltf } = await import( '../gltf/read.js' );
-			const { meshes, triangles, notes } = await readGltf( await file.arrayBuffer() );
+			const { meshes, place: found, triangles, notes } = await readGltf( await file.arrayBuffer() );
 			if ( signal.aborted ) return;
-			mesh = meshes;
+			[ mesh, sceneAt ] = [ meshes, found ];
 			keep( file );
 			surface.offer( [ ...SURFACES, [ 'mesh', file.name ] ], 'mesh' );
 			fill( opened, muted( [ `${ whole( triangles ) } triangles, ${ meshes.length } material${ meshes.length > 1 ? 's' : '' }`, ...notes ].join( '; ' ) ) );
@@ -129,6 +149,17 @@ export async function show( root, rest, parameters, signal ) {
 		} catch ( error ) {
 			fill( opened, notice( `${ file.name }: ${ error.message }` ) );
 		}
+	}
+
+	/** Replaces the light of a dropped scene by its own lights, unless the user has changed the light. Returns a sentence about the lights. */
+	function useLights( found ) {
+		const { lights: own, count } = ownLights( found, sceneAt );
+		if ( ! count ) return 'The scene has no area lights; drag the rectangle.';
+		if ( ! areNew( scene.lights ) ) return `Area lights of the scene: ${ count }. The lights below are those of the link.`;
+		scene.lights = own;
+		lights.take( 0 );
+		change( 'lights', own );
+		return `Lit by ${ own.length < count ? `the strongest ${ own.length } of ` : '' }the scene’s own area lights (${ count }), at a common brightness.`;
 	}
 
 	/** Opens the file that the link names, if this browser keeps it. */
@@ -151,7 +182,7 @@ export async function show( root, rest, parameters, signal ) {
 		scene[ name ] = value;
 		history.replaceState( null, '', `#/viewer?${ link( scene ) }` );
 		showValues();
-		const needsOtherModels = scene.lights.some( isPictured ) !== ( prefilter !== null );
+		const needsOtherModels = needed().some( ( file, i ) => Boolean( file ) !== Boolean( [ texts.prefilter, texts.samplers ][ i ] ) );
 		if ( name === 'table' || name === 'against' || needsOtherModels ) choose();
 		else if ( SHOWN.includes( name ) ) requestFrame();
 		else restart();
@@ -162,6 +193,7 @@ export async function show( root, rest, parameters, signal ) {
 		lights.show();
 		// A glTF file has its own materials.
 		ofSurface.hidden = scene.surface === 'mesh';
+		ofOccluders.hidden = scene.occluders === 'none';
 		dropped.hide( scene.surface !== 'mesh' );
 		diffuse.row.hidden = scene.surface !== 'mesh' && ! DIFFUSE[ scene.metal ];
 	}
@@ -177,13 +209,14 @@ export async function show( root, rest, parameters, signal ) {
 		overlay.draw();
 		if ( signal.aborted || ! lit || ! drawn || drawn.isLost() || scene.surface === 'mesh' && ! mesh ) return;
 		try {
-			last = drawn.draw( scene, size(), mesh, lit, lights.layers, prefilter );
+			last = drawn.draw( scene, size(), mesh, lit, lights.layers, texts );
 			showFigures();
 			if ( last.ofMeshes ) dropped.showErrors( last.ofMeshes );
 		} catch ( error ) {
 			return failed( error );
 		}
 		if ( last.isMoving ) restart();
+		else if ( ! last.isDone && dropped.isBusy() && last.milliseconds > SLOW ) setTimeout( requestFrame, PAUSES * last.milliseconds );
 		else if ( ! last.isDone ) requestFrame();
 	}
 

@@ -38,7 +38,7 @@ export function lightsPanel( scene, changed, again ) {
 		fill( numbers, scene.lights.map( ( _, i ) => el( 'button', { type: 'button', class: 'quiet', 'aria-pressed': String( i === chosen ), 'aria-label': `Light ${ i + 1 }`, onclick: () => choose( i ) }, String( i + 1 ) ) ) );
 		add.disabled = scene.lights.length === MOST_LIGHTS;
 		remove.disabled = scene.lights.length === 1;
-		shape.offer( shapes, light.shape );
+		shape.offer( shapes.filter( ( name ) => name !== 'polygon' || light.outline ), light.shape );
 		sides.offer( Object.entries( LIT_SIDES ), light.sides );
 		sides.row.hidden = ! isFlat( light );
 		tint.value = light.colour;

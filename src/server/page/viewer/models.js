@@ -1,7 +1,7 @@
 // The models that light the surface: tables of the service, models without a table, and published tables.
 
 import { call, manifest, reach } from '../service/api.js';
-import { hasReference } from '../webgl/reference.js';
+import { hasReference } from '../webgl/shaders.js';
 
 /** Models that are no tables of the service: name in a link, and label. */
 export const NAMED = { 'ltc-formula': 'ltc-formula, no table', engines: 'engines, table of 2017', kt2022: 'KT et al., table of 2022' };

@@ -1,14 +1,17 @@
 // Draws the picture of a scene frame by frame: surface, both sides, lights, and samples of the truth.
 
 import { device } from '../webgl/device.js';
-import { camera, CHOICES, DIFFUSE, METALS, uniformsOf } from './scene.js';
+import { OCCLUDED, SHADOWED } from '../webgl/shaders.js';
+import { camera, CHOICES, DIFFUSE, METALS, occludersOf, uniformsOf } from './scene.js';
 import { shaderBall } from './shader_ball.js';
 
 /** The least and the largest number of samples per frame, and the frame times in milliseconds that lead to more and to fewer samples. */
 const [ FEWEST, MANY, FAST, SLOW ] = [ 2, 32, 25, 150 ];
+
 /** Places of a mesh within a pixel, one per frame. */
 const PLACES = 16;
 const NO_LIGHT = { kind: 'diffuse', text: '', uniforms: {}, textures: [] };
+
 /** The shift of a frame in pixels, from -0.5 to 0.5. The first frame has none [Roberts 2018]. */
 const shift = ( frame, step ) => ( frame * step + 0.5 ) % 1 - 0.5;
 
@@ -21,7 +24,7 @@ function nice( value ) {
 /** The picture on a canvas. */
 export function picture( canvas ) {
 	const gpu = device( canvas );
-	let [ frames, samples, measured, perFrame, calls, isMoving ] = [ 0, 0, 4, 8, 0, false ];
+	let [ frames, samples, measured, perFrame, calls, isMoving ] = [ 0, 0, 4, FEWEST, 0, false ];
 	let [ errors, scale ] = [ null, 0.2 ];
 	let meshes = [];
 
@@ -43,16 +46,20 @@ export function picture( canvas ) {
 	return {
 		/** Forgets all sums, after a change of the scene. */
 		restart: () => [ frames, samples, measured ] = [ 0, 0, 4 ],
-		/** Draws a frame of a scene. `opened` are the meshes of a file, `models` both sides, where null is the truth, and `layers` the pictures on lights. */
-		draw( scene, size, opened, models, layers, prefilter ) {
+		/** Draws a frame of a scene. `opened` are the meshes of a file, `models` both sides, where null is the truth, `layers` the pictures on lights, and the last argument shader texts. */
+		draw( scene, size, opened, models, layers, { prefilter, samplers } ) {
 			const since = performance.now();
 			const shown = { mesh: opened ?? [], shader_ball: [ { numbers: shaderBall(), material: { ...scene, f0: METALS[ scene.metal ], diffuse: DIFFUSE[ scene.metal ] } } ] }[ scene.surface ] ?? [];
 			gpu.forget( meshes.filter( ( { numbers } ) => shown.every( ( other ) => other.numbers !== numbers ) ) );
 			meshes = shown;
 			gpu.resize( size );
 			const { eye, right, up, forward } = camera( scene );
-			const { uniforms, shapes } = uniformsOf( scene.lights );
-			const numbers = { ...uniforms, eye, size };
+			const { uniforms, shapes: ofLights } = uniformsOf( scene.lights );
+			const isOccluded = scene.occluders !== 'none';
+			const shapes = isOccluded ? ofLights | OCCLUDED : ofLights;
+			const hasShadows = isOccluded && scene.shadows !== 'off';
+			const ofModels = hasShadows ? ofLights | SHADOWED : ofLights;
+			const numbers = { ...uniforms, ...( isOccluded && occludersOf( scene ) ), eye, size };
 			const view = { ...numbers, right, up, forward };
 			const [ left, other ] = models;
 			const own = { ...scene, f0: METALS[ scene.metal ], diffuse: DIFFUSE[ scene.metal ] };
@@ -66,11 +73,12 @@ export function picture( canvas ) {
 			const hasNewPlace = frames === 0 || meshes.length > 0 && samples < scene.spp;
 			if ( hasNewPlace ) drawSurface( scene, own, view, left.brdf !== 'ggx' );
 			if ( frames === 0 || hasNewPlace && frames < PLACES ) {
-				gpu.light( 'left', left, numbers, shapes, frames );
-				if ( other ) gpu.light( 'right', other, numbers, shapes, frames );
-				if ( diffuse ) gpu.light( 'diffuse', NO_LIGHT, numbers, shapes, frames );
+				if ( hasShadows ) gpu.shadow( left.brdf, samplers, { ...numbers, frame: frames, samples: Number( scene.shadows ) }, shapes );
+				gpu.light( 'left', left, numbers, ofModels, frames );
+				if ( other ) gpu.light( 'right', other, numbers, ofModels, frames );
+				if ( diffuse ) gpu.light( 'diffuse', NO_LIGHT, numbers, ofModels, frames );
 				gpu.glow( view, shapes, frames );
-				calls += 2 + Boolean( other ) + diffuse;
+				calls += 2 + Boolean( other ) + diffuse + hasShadows;
 			}
 			if ( samples < scene.spp ) {
 				if ( samples === 0 ) perFrame = Math.min( perFrame, scene.spp );

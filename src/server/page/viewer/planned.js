@@ -2,7 +2,7 @@
 
 import { el, fill, muted, notice } from '../elements/dom.js';
 import { bytes, number, percent, span } from '../elements/format.js';
-import { ENGINES, ownRecipe } from '../elements/recipe.js';
+import { ENGINES, json, ownRecipe } from '../elements/recipe.js';
 import { call, reach } from '../service/api.js';
 import { fitted } from '../service/jobs.js';
 import { saveAs, zip } from '../service/zip.js';
@@ -10,8 +10,12 @@ import { choice } from './controls.js';
 
 /** Seconds that a planned table may take without a question. */
 const AT_ONCE = 10;
+
 /** The sRGB byte of a linear number. */
 const srgb = ( y ) => Math.round( 255 * ( y <= 0.0031308 ? 12.92 * y : 1.055 * y ** ( 1 / 2.4 ) - 0.055 ) );
+
+/** Languages of includes by the name of an engine. Others use GLSL. */
+const LANGUAGES = { bevy: [ 'wgsl' ], hdrp: [ 'hlsl' ], o3de: [ 'hlsl' ], wgpu: [ 'glsl', 'wgsl', 'hlsl' ] };
 
 async function downloaded( path ) {
 	const response = await reach( path );
@@ -19,10 +23,12 @@ async function downloaded( path ) {
 	return new Uint8Array( await response.arrayBuffer() );
 }
 
-/** The panel of a scene. `show` is called with the model for the left side. */
-export function planned( show, signal ) {
-	let [ turn, scene, plan, digest, timer ] = [ 0, null, null, null, 0 ];
+/** The panel of a scene. `show` is called with the model for the left side, and `light` with the lights of the scene; it returns a sentence about them. */
+export function planned( show, light, signal ) {
+	let [ turn, scene, answer, plan, digest, timer ] = [ 0, null, null, null, null, 0 ];
+	const planOf = ( file, query = '' ) => call( `/v1/plans${ query }`, { method: 'POST', raw: file, type: 'model/gltf-binary', signal } );
 	let rows = [];
+	let isBusy = false;
 	const status = el( 'div', { role: 'status' } );
 	const words = el( 'div' );
 	const models = el( 'p', { class: 'actions' } );
@@ -37,11 +43,12 @@ export function planned( show, signal ) {
 	label();
 	const root = el( 'fieldset', { class: 'scene', hidden: true }, el( 'legend', {}, 'This scene' ), status, words, models,
 		el( 'div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Materials' }, el( 'table', { class: 'figures' }, el( 'thead', {}, el( 'tr', {}, [ 'Material', 'roughness', 'plan', 'mean error' ].map( ( name, i ) => el( 'th', { scope: 'col', class: i ? 'number' : null }, name ) ) ) ), materials ) ),
-		engines.row, el( 'div', {}, files ) );
+		el( 'div', { class: 'bar' }, engines.row, files ) );
 
 	/** Shows what the page does, with the seconds since it began, or the progress from 0 to 1. */
 	function busy( text, progress ) {
 		clearInterval( timer );
+		isBusy = true;
 		const since = performance.now();
 		const seconds = el( 'span', { class: 'muted', 'aria-hidden': 'true' } );
 		fill( status, el( 'div', { class: 'progress' }, el( 'span', {}, text ), el( 'progress', { 'aria-label': text, max: 1, value: progress } ), seconds ) );
@@ -50,10 +57,12 @@ export function planned( show, signal ) {
 
 	function idle( ...shown ) {
 		clearInterval( timer );
+		isBusy = false;
 		fill( status, shown );
 	}
 	const failed = ( error ) => signal.aborted || idle( notice( error.message ), ( error.document?.errors ?? [] ).map( ( { pointer, detail } ) => muted( `${ pointer }: ${ detail }` ) ) );
 	signal.addEventListener( 'abort', () => clearInterval( timer ) );
+
 	/** The table of a recipe. Shows the progress of its job. */
 	const tableOf = ( recipe ) => fitted( recipe, signal, ( { progress: { entries_done: done, entries_total: all } } ) => busy( 'Fitting the table…', done / all ) );
 
@@ -74,26 +83,34 @@ export function planned( show, signal ) {
 			plan && button( digest ? 'Planned table' : `Fit the planned table: ${ bytes( plan.predicted.bytes ) }, ${ span( plan.predicted.seconds ) }`, () => digest ? show( digest ) : fit().catch( failed ) ) );
 	}
 
-	/** Saves the files for the engine with an include and a README. An engine with a layout of its own gets the standard table in this layout. */
+	/** Saves the files of the table that is planned for the engine, with includes, the recipe and a README. */
 	async function save() {
 		const [ name, called, layout ] = engine;
+		if ( layout || ! answer ) busy( `Planning the table for ${ called }…` );
+		const { summary, plan: { tables: [ best ] } } = ! layout && answer ? answer : await planOf( scene, `?engine=${ name }` );
+		if ( ! best ) throw new Error( `${ called } has no table for these materials` );
+		busy( 'Fitting the table…' );
+		const table = await tableOf( ownRecipe( best.recipe ) );
 		busy( 'Making the files…' );
-		const table = await tableOf( plan && ( ! layout || layout === plan.recipe.layout ) ? ownRecipe( plan.recipe ) : { preset: 'standard', ...( layout && { layout } ) } );
-		const made = await call( `/v1/tables/${ table }/exports/${ name }`, { signal } );
-		const { recipe } = await call( `/v1/tables/${ table }/manifest`, { signal } );
-		const include = `ltc-${ recipe.layout }${ typeof recipe.fresnel === 'string' && recipe.fresnel !== 'one' ? '-two-lobes' : '' }.glsl`;
-		const packed = await Promise.all( [ ...made.files.map( ( { path, url } ) => [ path, url ] ), [ `include/${ include }`, `/page/${ include }` ] ].map( async ( [ path, url ] ) => ( { path, bytes: await downloaded( url ) } ) ) );
-		const lines = [ `# Area lights for ${ scene.name } in ${ called }`, '', `Table ${ table }.`, '', ...( plan?.summary ?? [] ).map( ( line ) => `- ${ line }` ), '', '## Steps', '',
-			...made.steps.map( ( step, i ) => `${ i + 1 }. ${ step }` ), '', `\`include/${ include }\` is the shader for a renderer of your own, in GLSL ES 3.00.`, '', '## Recipe', '', '```json', JSON.stringify( recipe, null, 2 ), '```', '' ];
-		saveAs( zip( [ { path: 'README.md', bytes: new TextEncoder().encode( lines.join( '\n' ) ) }, ...packed ] ), `${ scene.name.replace( /\.\w+$/, '' ) }-${ name }.zip` );
-		idle( muted( `Saved ${ packed.length + 1 } files.` ) );
+		const [ made, { recipe } ] = await Promise.all( [ 'exports/' + name, 'manifest' ].map( ( of ) => call( `/v1/tables/${ table }/${ of }`, { signal } ) ) );
+		const form = best.model && [ best.model, best.rule ].filter( Boolean ).join( '-' );
+		const lookup = layout ? null : `ltc-${ recipe.layout }${ typeof recipe.fresnel === 'string' && recipe.fresnel !== 'one' ? '-two-lobes' : '' }`;
+		const includes = [ lookup, form ].filter( Boolean ).flatMap( ( text ) => ( LANGUAGES[ name ] ?? [ 'glsl' ] ).map( ( extension ) => `${ text }.${ extension }` ) );
+		const packed = await Promise.all( [ ...made.files.map( ( { path, url } ) => [ path, url ] ), ...includes.map( ( file ) => [ `include/${ file }`, `/page/${ file }` ] ) ].map( async ( [ path, url ] ) => ( { path, bytes: await downloaded( url ) } ) ) );
+		const readme = [ `# Area lights for ${ scene.name } in ${ called }`, '', ...summary.map( ( line ) => `- ${ line.trim() }` ), '',
+			'## The table', '', `The files hold the table that is planned for this scene${ layout ? `, in the layout of ${ called } (\`${ layout }\`)` : '' }: ${ table }.`, '', ...made.steps.map( ( step, i ) => `${ i + 1 }. ${ step }` ), '',
+			lookup && `The includes that begin with \`${ lookup }\` read the table.\n`, '`ltcforge fit recipe.json` makes the table again.', '',
+			...( form ? [ '## Without a table', '', `The includes that begin with \`${ form }\` light the same materials by a closed form. Use them if the plan above says so, and leave the table out.`, '' ] : [] ) ];
+		const text = ( path, content ) => ( { path, bytes: new TextEncoder().encode( content ) } );
+		saveAs( zip( [ text( 'README.md', readme.filter( ( line ) => line !== null ).join( '\n' ) ), text( 'recipe.json', json( recipe ) ), ...packed ] ), `${ scene.name.replace( /\.\w+$/, '' ) }-${ name }.zip` );
+		idle( muted( `Saved ${ packed.length + 2 } files.` ) );
 	}
 	return {
 		root,
 		/** Plans the tables of a file, and lists its materials. */
 		async start( file, meshes ) {
 			const own = ++ turn;
-			[ scene, plan, digest ] = [ file, null, null ];
+			[ scene, answer, plan, digest ] = [ file, null, null, null ];
 			root.hidden = false;
 			fill( words );
 			offer();
@@ -107,14 +124,17 @@ export function planned( show, signal ) {
 			fill( materials, rows.map( ( { row } ) => row ) );
 			busy( 'Planning the best table for this scene…' );
 			try {
-				const { summary, plan: answer } = await call( '/v1/plans', { method: 'POST', raw: file, type: 'model/gltf-binary', signal } );
+				const found = await planOf( file );
 				if ( own !== turn || signal.aborted ) return;
-				plan = answer.tables[ 0 ] && { ...answer.tables[ 0 ], summary };
-				fill( words, el( 'p', {}, summary[ 0 ] ), summary.length > 1 && el( 'details', {}, el( 'summary', {}, 'More about the plan' ), el( 'div', {}, summary.slice( 1 ).map( ( line ) => muted( line ) ) ) ), answer.scene.materials.filter( ( { not_covered } ) => not_covered?.length ).map( ( { name, not_covered } ) => muted( `${ name }: no table covers ${ not_covered.map( ( part ) => part.kind ?? part ).join( ', ' ) }` ) ) );
+				answer = found;
+				const { summary, plan: { scene: read, tables } } = answer;
+				plan = tables[ 0 ] ?? null;
+				const more = [ light( read.lights ), ...summary.slice( 1 ) ];
+				fill( words, el( 'p', {}, summary[ 0 ] ), el( 'details', {}, el( 'summary', {}, 'More about the plan and the lights' ), el( 'div', {}, more.map( ( line ) => muted( line ) ) ) ) );
 				// A plan has the errors of light by the table, by the engine's table, and by the closed form.
 				for ( const { material, light: [ table, , closed ] } of plan?.materials ?? [] ) {
 					const best = closed !== null && closed < ( table ?? Infinity ) ? 'closed form' : 'table';
-					for ( const { name, use } of rows ) if ( name === answer.scene.materials[ material ].name ) use.textContent = best;
+					for ( const { name, use } of rows ) if ( name === read.materials[ material ].name ) use.textContent = best;
 				}
 				idle();
 				offer();
@@ -125,6 +145,8 @@ export function planned( show, signal ) {
 		},
 		/** Shows the mean error of each material, or null for a material that is not visible. */
 		showErrors: ( errors ) => errors.forEach( ( error, i ) => rows[ i ] && fill( rows[ i ].error, error ? percent( error.sides[ 0 ].mean, 2 ) : 'not visible' ) ),
+		/** Whether the service works for this scene. */
+		isBusy: () => isBusy,
 		hide: ( isHidden ) => root.hidden = isHidden || ! scene,
 	};
 }

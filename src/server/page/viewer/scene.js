@@ -12,6 +12,10 @@ export const PARAMETERS = numbers( [
 	[ 'camera_elevation', 'Elevation', - 1.5, 1.5, 0.01, 0.2 ],
 	[ 'camera_distance', 'Distance', 1.5, 16, 0.01, 9 ],
 	[ 'exposure', 'Exposure', 0.1, 8, 0.01, 1 ],
+	[ 'occluder_x', 'To the right', - 2, 2, 0.01, - 0.75 ],
+	[ 'occluder_y', 'Upwards', - 1, 2, 0.01, 0.95 ],
+	[ 'occluder_z', 'To the front', - 2, 3, 0.01, 0.8 ],
+	[ 'occluder_size', 'Half size', 0.05, 1, 0.01, 0.2 ],
 ] );
 
 /** Parameters of a light. In links, parameters of the second light begin with `light2_`. */
@@ -41,18 +45,25 @@ export const LIGHT_SHAPES = {
 	triangle: { sizes: [ 'Half width', 'Half height' ], corners: 3 },
 	pentagon: { sizes: [ 'Half width', 'Half height' ], corners: 5 },
 	hexagon: { sizes: [ 'Half width', 'Half height' ], corners: 6 },
+	// The polygon of a scene. Member `outline` of the light has its corners, from -1 to 1.
+	polygon: { sizes: [ 'Half width', 'Half height' ] },
 };
 
 /** Pictures on rectangular lights: name in a link, and label. Opened files are not in this list. */
 export const PICTURES = { '': 'one colour', signs: 'a picture', disc: 'a video' };
+
 /** The sides that emit: name in a link, and label. */
 export const LIT_SIDES = { '': 'the front', both: 'both sides' };
+
 /** Whether a light has two sides, and can turn. */
 export const isFlat = ( { shape } ) => ! [ 'sphere', 'tube', 'line' ].includes( shape );
+
 /** Whether a light shows a picture. */
 export const isPictured = ( { shape, picture } ) => shape === 'rectangle' && picture !== '';
+
 /** Reflectances at normal incidence, linear sRGB. Sheen is always `white`. */
 export const METALS = { silver: [ 0.91, 0.92, 0.92 ], gold: [ 1, 0.71, 0.29 ], copper: [ 0.95, 0.64, 0.54 ], plastic: [ 0.04, 0.04, 0.04 ], white: [ 1, 1, 1 ] };
+
 /** Diffuse colours of the materials that have one. */
 export const DIFFUSE = { plastic: [ 0.05, 0.12, 0.4 ] };
 
@@ -63,26 +74,36 @@ export const CHOICES = {
 	show: [ 'split', 'model', 'reference', 'difference' ],
 	glow: [ 'on', 'off' ],
 	diffuse: [ 'on', 'off' ],
+	occluders: [ 'none', 'ball', 'box', 'ball_and_box' ],
+	shadows: [ '4', '1', 'off' ],
 };
 
 /** Largest number of pixels per side. */
 export const MOST_PIXELS = 1440;
+
 /** Parameters that only links have: pixels per side, where 0 stands for those of the screen, and samples of a finished truth. */
 const FIXED = [ { name: 'size', min: 64, max: MOST_PIXELS, step: 1, value: 0 }, { name: 'spp', min: 2, max: 4096, step: 2, value: 1024 } ];
+
 /** The angle of view from edge to edge in radians, as in the scene `sphere` of previews. */
 const FIELD_OF_VIEW = 0.5;
+
 export const dot = ( a, b ) => a[ 0 ] * b[ 0 ] + a[ 1 ] * b[ 1 ] + a[ 2 ] * b[ 2 ];
-const cross = ( a, b ) => [ a[ 1 ] * b[ 2 ] - a[ 2 ] * b[ 1 ], a[ 2 ] * b[ 0 ] - a[ 0 ] * b[ 2 ], a[ 0 ] * b[ 1 ] - a[ 1 ] * b[ 0 ] ];
+
+export const cross = ( a, b ) => [ a[ 1 ] * b[ 2 ] - a[ 2 ] * b[ 1 ], a[ 2 ] * b[ 0 ] - a[ 0 ] * b[ 2 ], a[ 0 ] * b[ 1 ] - a[ 1 ] * b[ 0 ] ];
+
 export const scaled = ( v, by ) => v.map( ( x ) => x * by );
+
 export const plus = ( ...vectors ) => vectors.reduce( ( a, b ) => a.map( ( x, i ) => x + b[ i ] ) );
+
 export const unit = ( v, otherwise ) => dot( v, v ) > 1e-24 ? scaled( v, 1 / Math.sqrt( dot( v, v ) ) ) : otherwise;
+
 /** The name of a light's parameter in a link. */
 const named = ( i, name ) => `light${ i ? i + 1 : '' }_${ name }`;
 
 /** The initial values of the light with index `i`. */
 export function addedLight( i ) {
 	const [ x, y, z ] = PLACES[ i ];
-	return { shape: 'rectangle', picture: '', colour: '#ffffff', sides: '', ...Object.fromEntries( OF_LIGHT.map( ( { name, value } ) => [ name, value ] ) ), x, y, z };
+	return { shape: 'rectangle', outline: '', picture: '', colour: '#ffffff', sides: '', ...Object.fromEntries( OF_LIGHT.map( ( { name, value } ) => [ name, value ] ) ), x, y, z };
 }
 
 /** The number in a text, clamped to its bounds, or `value` if the text is missing or malformed. */
@@ -91,18 +112,35 @@ function within( { min, max }, text, value ) {
 	return Number.isFinite( given ) ? Math.min( max, Math.max( min, given ) ) : value;
 }
 
+/** The bounds of a light's parameter. The lights of a scene can be farther away, larger and brighter than sliders allow. */
+const loose = ( { name, min } ) => /^(yaw|pitch|roll)$/.test( name ) ? { min: - Math.PI, max: Math.PI } : { min: min < 0 ? - 1e4 : 1e-5, max: 1e6 };
+
 /** A value of a parameter within its bounds. An azimuth turns around instead. */
 export function bounded( name, value ) {
 	if ( name === 'camera_azimuth' ) return value - 2 * Math.PI * Math.round( value / ( 2 * Math.PI ) );
-	const { min, max } = [ ...PARAMETERS, ...OF_LIGHT ].find( ( field ) => field.name === name );
+	const { min, max } = PARAMETERS.find( ( field ) => field.name === name ) ?? loose( OF_LIGHT.find( ( field ) => field.name === name ) );
 	return Math.min( max, Math.max( min, value ) );
+}
+
+/** The corners of a polygon in a text, or none if it does not have three to eight. */
+function cornersOf( outline ) {
+	const numbers = outline.split( ' ' ).map( Number );
+	const isValid = numbers.length % 2 === 0 && numbers.length >= 6 && numbers.length <= 16 && numbers.every( ( at ) => Math.abs( at ) <= 1 );
+	return isValid ? Array.from( { length: numbers.length / 2 }, ( _, i ) => [ numbers[ 2 * i ], numbers[ 2 * i + 1 ] ] ) : [];
 }
 
 /** The default border between both sides, as a fraction of the width. */
 const SPLIT = 0.5;
 
-/** Reads a scene from the parameters of a link. Missing and malformed values are replaced by defaults. Numbers are clamped to their bounds. */
+/** What the viewer shows at first of a dropped file: the table of engines, and a light in front of the scene. */
+const DROPPED = { table: 'engines', surface: 'mesh', camera_distance: '4.6', light_y: '1.6', light_z: '2.6', light_width: '1.2', light_height: '0.9', light_intensity: '6' };
+
+/** Whether lights are those of a new link, or of a dropped file. */
+export const areNew = ( lights ) => [ {}, DROPPED ].some( ( parameters ) => JSON.stringify( read( new URLSearchParams( parameters ) ).lights ) === JSON.stringify( lights ) );
+
+/** Reads a scene from the parameters of a link. Member `dropped` names a file that was just dropped. Missing and malformed values are replaced by defaults. Numbers are clamped to their bounds. */
 export function read( parameters ) {
+	if ( parameters.get( 'dropped' ) ) return read( new URLSearchParams( { ...DROPPED, mesh: parameters.get( 'dropped' ) } ) );
 	const scene = { table: parameters.get( 'table' ) || '', against: parameters.get( 'against' ) || '', split: within( { min: 0, max: 1 }, parameters.get( 'split' ), SPLIT ), mesh: parameters.get( 'mesh' ) || '' };
 	for ( const { name, step, value, ...bounds } of FIXED ) scene[ name ] = parameters.get( name ) ? step * Math.round( within( bounds, parameters.get( name ), value ) / step ) : value;
 	for ( const field of PARAMETERS ) scene[ field.name ] = within( field, parameters.get( field.name ), field.value );
@@ -110,9 +148,11 @@ export function read( parameters ) {
 	const count = Math.round( within( { min: 1, max: MOST_LIGHTS }, parameters.get( 'lights' ), 1 ) );
 	scene.lights = Array.from( { length: count }, ( _, i ) => {
 		const light = addedLight( i );
-		for ( const field of OF_LIGHT ) light[ field.name ] = within( field, parameters.get( named( i, field.name ) ), light[ field.name ] );
+		for ( const field of OF_LIGHT ) light[ field.name ] = within( loose( field ), parameters.get( named( i, field.name ) ), light[ field.name ] );
 		const shape = parameters.get( named( i, 'shape' ) );
-		if ( Object.hasOwn( LIGHT_SHAPES, shape || '' ) ) light.shape = shape;
+		const outline = parameters.get( named( i, 'outline' ) ) || '';
+		if ( cornersOf( outline ).length ) light.outline = outline;
+		if ( Object.hasOwn( LIGHT_SHAPES, shape || '' ) && ( shape !== 'polygon' || light.outline ) ) light.shape = shape;
 		const picture = parameters.get( named( i, 'picture' ) ) || '';
 		if ( Object.hasOwn( PICTURES, picture ) ) light.picture = picture;
 		if ( parameters.get( named( i, 'sides' ) ) === 'both' ) light.sides = 'both';
@@ -142,7 +182,7 @@ function linear( colour ) {
 const regular = ( count, radius, first ) => Array.from( { length: count }, ( _, i ) => [ radius * Math.cos( first - 2 * Math.PI * i / count ), radius * Math.sin( first - 2 * Math.PI * i / count ) ] );
 
 /** A light in space: centre, half axes, normal of the side that emits light and faces the origin, corners of its polygon, and both ends. */
-export function placed( { shape, x, y, z, width, height, yaw, pitch, roll } ) {
+export function placed( { shape, outline, x, y, z, width, height, yaw, pitch, roll } ) {
 	const centre = [ x, y, z ];
 	const facing = unit( scaled( centre, - 1 ), [ 0, 0, 1 ] );
 	const right = unit( cross( [ 0, 1, 0 ], facing ), [ 1, 0, 0 ] );
@@ -155,6 +195,7 @@ export function placed( { shape, x, y, z, width, height, yaw, pitch, roll } ) {
 	const at = ( [ u, v ] ) => plus( centre, scaled( along, u ), scaled( across, v ) );
 	const { corners } = LIGHT_SHAPES[ shape ];
 	const flat = shape === 'rectangle' ? [ [ - 1, 1 ], [ 1, 1 ], [ 1, - 1 ], [ - 1, - 1 ] ]
+		: shape === 'polygon' ? cornersOf( outline )
 		: corners ? regular( corners, 1, Math.PI / 2 )
 		// Some models support only polygons. For them, an octagon with the same area replaces the disk.
 		: shape === 'disk' ? regular( 8, Math.sqrt( Math.PI / ( 4 * Math.sin( Math.PI / 4 ) ) ), Math.PI / 8 ) : [];
@@ -203,6 +244,13 @@ export function uniformsOf( lights ) {
 		for ( let i = 0; i < 8; i ++ ) made.light_vertices.push( four( vertices[ i ] || [ 0, 0, 0 ], ( upTo[ i ] || 0 ) / area ) );
 	}
 	return { uniforms: made, shapes: made.light_shape.reduce( ( bits, shape ) => bits | 1 << shape, layers && 16 ) };
+}
+
+/** The uniforms of the occluders: a ball, and a box next to it or in its place. */
+export function occludersOf( { occluders, occluder_x: x, occluder_y: y, occluder_z: z, occluder_size: half } ) {
+	const centre = [ occluders === 'box' ? x : x + 3 * half, y, z ];
+	const isBox = occluders.includes( 'box' );
+	return { ball: [ x, y, z, occluders.includes( 'ball' ) ? half : 0 ], box_low: centre.map( ( at ) => at - isBox * half ), box_high: centre.map( ( at ) => at + isBox * half ) };
 }
 
 /** A camera that looks at the origin: position `eye`, unit vector `forward`, and `right` and `up` from the centre of the image to its edges at distance one. */

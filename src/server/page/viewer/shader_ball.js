@@ -5,8 +5,10 @@
 /** The ball: height of its centre, radius, and tilt of its axis towards the viewer. The groove: angle from the axis, half width, and relative depth. */
 const [ MIDDLE, RADIUS, TILT ] = [ 0.29, 0.69, 0.6 ];
 const GROOVE = { angle: 1.05, width: 0.16, depth: 0.13 };
+
 /** The foot: radius and height of the neck inside the ball, radius and height of the plate, and radius of the rounded rim. */
 const FOOT = { neck: 0.13, top: - 0.3, plate: 0.42, bottom: - 0.84, rim: 0.03 };
+
 /** The ring around the neck: its radius, thickness and height. */
 const RING = { radius: 0.27, thick: 0.055, height: - 0.52 };
 

@@ -5,8 +5,10 @@ import { bounded, camera, dot, moved, outline, PARAMETERS, placed, plus, project
 
 /** Length of the handle that turns a light. */
 const REACH = 0.6;
+
 /** Added to squared lengths when the tip of the handle is moved. */
 const DAMPING = 1e-3;
+
 /** Steps of keys: names and values to add. A negative distance step zooms in. */
 const KEYS = {
 	ArrowLeft: [ 'camera_azimuth', 0.1 ], ArrowRight: [ 'camera_azimuth', - 0.1 ], ArrowUp: [ 'camera_elevation', 0.1 ], ArrowDown: [ 'camera_elevation', - 0.1 ],

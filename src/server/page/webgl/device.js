@@ -3,11 +3,8 @@
 // Light is summed over frames, because a mesh moves by a part of a pixel in each frame, so that its edges are smooth.
 
 import { program, release, target, texture } from './context.js';
-import { DISPLAY_SHADER, ERRORS_SHADER, glowShader } from './display.js';
-import { modelShader, picturesOf } from './models.js';
 import { pictures } from './pictures.js';
-import { referenceShader } from './reference.js';
-import { MESH_VERTEX, meshShader, SURFACE_SHADER } from './surface.js';
+import { displayShader, errorsShader, glowShader, meshShader, meshVertex, modelShader, picturesOf, referenceShader, shadowShader, surfaceShader } from './shaders.js';
 
 /** Names of the textures that store the surface at each pixel. */
 const SURFACE_TEXTURES = [ 'surface_position', 'surface_tangent', 'surface_normal', 'surface_f0' ];
@@ -89,6 +86,8 @@ export function device( canvas ) {
 	let shown = null;
 	const surface = () => SURFACE_TEXTURES.map( ( name, i ) => ( { name, texture: surfaceTarget.textures[ i ] } ) );
 	const layered = ( name, texture ) => shown ? [ { name, type: gl.TEXTURE_2D_ARRAY, texture: shown[ texture ] } ] : [];
+	/** The visible parts of the lights, for specular and for diffuse reflection. */
+	let visible = null;
 	const newest = ( side ) => pairs.get( side )?.at( - 1 ).textures ?? [ surfaceTarget.textures[ 0 ], surfaceTarget.textures[ 0 ] ];
 
 	/** Adds to a sum. `names` are the samplers of the sum so far. The first frame, with `count` 0, replaces the sum. */
@@ -118,7 +117,8 @@ export function device( canvas ) {
 		resize( pixels ) {
 			if ( pixels === size ) return;
 			size = canvas.width = canvas.height = pixels;
-			for ( const one of [ surfaceTarget, ...[ ...pairs.values() ].flat() ] ) release( gl, one );
+			for ( const one of [ surfaceTarget, visible, ...[ ...pairs.values() ].flat() ] ) release( gl, one );
+			visible = null;
 			gl.deleteRenderbuffer( depth );
 			pairs = new Map();
 			surfaceTarget = target( gl, SURFACE_TEXTURES.map( () => gl.RGBA32F ), size, size );
@@ -128,7 +128,7 @@ export function device( canvas ) {
 			gl.framebufferRenderbuffer( gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depth );
 		},
 		/** Draws the surface of the sphere or the floor. */
-		drawSurface: ( uniforms ) => run( once( 'surface', () => program( gl, SURFACE_SHADER ) ), surfaceTarget, uniforms, [] ),
+		drawSurface: ( uniforms ) => run( once( 'surface', () => program( gl, surfaceShader() ) ), surfaceTarget, uniforms, [] ),
 		/** Draws meshes. Each mesh has ten numbers per corner, the uniforms of its material, and optionally textures. */
 		drawMeshes( uniforms, meshes ) {
 			gl.bindFramebuffer( gl.FRAMEBUFFER, surfaceTarget.framebuffer );
@@ -136,7 +136,7 @@ export function device( canvas ) {
 			gl.clear( gl.DEPTH_BUFFER_BIT );
 			gl.enable( gl.DEPTH_TEST );
 			for ( const [ number, { numbers, uv, textures, ofMaterial } ] of meshes.entries() ) {
-				const shader = once( `mesh ${ Boolean( textures ) }`, () => program( gl, meshShader( Boolean( textures ) ), MESH_VERTEX ) );
+				const shader = once( `mesh ${ Boolean( textures ) }`, () => program( gl, meshShader( Boolean( textures ) ), meshVertex() ) );
 				const bound = Object.entries( textures || {} ).map( ( [ name, image ] ) => ( { name, texture: once( image, () => ofMesh( gl, image ) ) } ) );
 				gl.bindVertexArray( once( numbers, () => corners( gl, numbers, uv ) ).array );
 				run( shader, surfaceTarget, { ...uniforms, ...ofMaterial, number }, bound, numbers.length / 10 );
@@ -170,7 +170,12 @@ export function device( canvas ) {
 		light( side, model, uniforms, shapes, count ) {
 			const textures = once( model.textures, () => model.textures.map( ( one ) => ofModel( gl, one ) ) );
 			const shader = once( `${ model.kind } ${ shapes } ${ model.text }`, () => program( gl, modelShader( model.kind, model.text, shapes ) ) );
-			add( side, shader, count, { ...uniforms, ...model.uniforms, picture_base: shown?.base ?? 0, sum_count: count }, [ 'sum_before' ], [ ...surface(), ...textures, ...layered( picturesOf( model.kind ), 'pyramids' ) ] );
+			add( side, shader, count, { ...uniforms, ...model.uniforms, picture_base: shown?.base ?? 0, sum_count: count }, [ 'sum_before' ], [ ...surface(), ...textures, ...layered( picturesOf( model.kind ), 'pyramids' ), ...( visible ? [ { name: 'light_visible', texture: visible.textures[ Number( side === 'diffuse' ) ] } ] : [] ) ] );
+		},
+		/** Samples the visible part of each light. `text` are the service's samplers. */
+		shadow( brdf, text, uniforms, shapes ) {
+			visible ??= target( gl, [ gl.RGBA32F, gl.RGBA32F ], size, size );
+			run( once( `shadow ${ brdf } ${ shapes }`, () => program( gl, shadowShader( brdf, text, shapes ) ) ), visible, uniforms, surface() );
 		},
 		/** Adds the lights as the camera sees them. */
 		glow( uniforms, shapes, count ) {
@@ -184,7 +189,7 @@ export function device( canvas ) {
 		},
 		/** Shows both sides. */
 		display( uniforms ) {
-			run( once( 'display', () => program( gl, DISPLAY_SHADER ) ), { framebuffer: null, width: size, height: size }, uniforms, sides() );
+			run( once( 'display', () => program( gl, displayShader() ) ), { framebuffer: null, width: size, height: size }, uniforms, sides() );
 			// Reading a pixel waits for the GPU, so that the frame time is correct.
 			gl.readPixels( 0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array( 4 ) );
 		},
@@ -194,7 +199,7 @@ export function device( canvas ) {
 		 * all pixels, or those of a mesh by its number, relative to the light of the result for all pixels. Returns null without light.
 		 */
 		errors( uniforms, number = - 1, whole = null ) {
-			run( once( 'errors', () => program( gl, ERRORS_SHADER ) ), blocks, { ...uniforms, number, block: Math.ceil( size / BLOCKS ) }, sides() );
+			run( once( 'errors', () => program( gl, errorsShader() ) ), blocks, { ...uniforms, number, block: Math.ceil( size / BLOCKS ) }, sides() );
 			const [ sums, others ] = [ 0, 1 ].map( ( i ) => read( blocks, i, 0, 0, BLOCKS, BLOCKS ) );
 			const column = ( numbers, c ) => Array.from( { length: BLOCKS * BLOCKS }, ( _, i ) => numbers[ 4 * i + c ] );
 			const sum = ( values ) => values.reduce( ( a, b ) => a + b, 0 );

@@ -1,112 +1,4 @@
-// Several lights in GLSL ES. shaders/ggx_reference.wgsl and shaders/reference_solids.wgsl have the same code for one light.
-
-/**
- * The lights. `SHAPES_USED` has a bit for each shape in the scene, and 16 for pictures. A program contains only code for them,
- * because software drivers run both sides of a branch. `light_shape` is 0 for a polygon, 1 for an ellipse, 2 for a tube, 3 for a
- * line. A sphere is a tube with equal ends. The vertices are the corners of the polygon, or of an octagon for an ellipse,
- * clockwise from the lit side. The w of vertex i is the area of the triangles (0, 1, 2) to (0, i - 1, i), divided by the whole area.
- */
-export const LIGHTS = `
-const float HORIZON = 1e-6;
-uniform int light_count, light_shape[4], light_corners[4], light_two_sided[4];
-uniform vec3 light_radiance[4];
-/** The layer of the light's picture, or -1. */
-uniform int light_picture[4];
-uniform vec4 light_vertices[32];
-/** xyz: centre of an ellipse, or one end of a tube or line. w: radius of the tube, or width of the line. */
-uniform vec4 light_centre[4];
-/** xyz: half axes of an ellipse or rectangle. w: 1 / squared length. For a tube or line, light_x is the other end. */
-uniform vec4 light_x[4], light_y[4];
-/** xyz: unit normal of the lit side. w: area. */
-uniform vec4 light_normal[4];
-
-bool is_shape( int l, int shape ) { return ( SHAPES_USED & ( 1 << shape ) ) != 0 && light_shape[l] == shape; }
-bool is_pictured( int l ) { return ( SHAPES_USED & 16 ) != 0 && light_picture[l] >= 0; }
-bool is_solid( int l ) { return is_shape( l, 2 ) || is_shape( l, 3 ); }
-bool is_two_sided( int l ) { return light_two_sided[l] != 0 || is_solid( l ); }
-
-/** Two unit vectors that form an orthonormal basis with axis. */
-mat2x3 solid_basis( vec3 axis ) {
-	vec3 x = normalize( cross( abs( axis.z ) > 0.7 ? vec3( 1.0, 0.0, 0.0 ) : vec3( 0.0, 0.0, 1.0 ), axis ) );
-	return mat2x3( x, cross( axis, x ) );
-}
-
-/** The point on the line between both ends that is nearest to the shaded point, relative to the shaded point. */
-vec3 solid_nearest( int l, vec3 position ) {
-	vec3 start = light_centre[l].xyz - position;
-	vec3 along = light_x[l].xyz - light_centre[l].xyz;
-	return start + along * clamp( - dot( start, along ) / max( dot( along, along ), 1e-36 ), 0.0, 1.0 );
-}
-
-vec3 unit_of( vec3 v ) { return v / sqrt( max( dot( v, v ), 1e-36 ) ); }
-`;
-
-/** Polygons that replace tubes, spheres and lines, for models that support only polygons. */
-export const OUTLINES = `
-void tube_end( vec3 end, vec3 outwards, vec3 beside, vec3 sideways, float size, out vec3 v[4] ) {
-	float sine2 = size * size / dot( end, end );
-	vec3 centre = end * ( 1.0 - sine2 );
-	float radius = size * sqrt( max( 1.0 - sine2, 0.0 ) );
-	vec3 ahead = unit_of( outwards - end * ( dot( outwards, end ) / dot( end, end ) ) );
-	float beside2 = dot( beside, beside );
-	vec3 touched = - ( beside * ( size / beside2 ) - sideways * ( sqrt( beside2 - size * size ) / sqrt( beside2 ) ) ) * size;
-	vec3 to_end = end + touched - centre;
-	float cos_end = dot( to_end, ahead );
-	float sin_end = dot( to_end, sideways );
-	float half_arc = atan( max( sin_end, 0.0 ), cos_end );
-	vec2 turn = vec2( sin( half_arc / 3.0 ), cos( half_arc / 3.0 ) );
-	float sine = 2.0 * turn.x * turn.y;
-	float far = half_arc > 1e-3 ? sqrt( 1.0 + 2.0 * half_arc / max( sine, 1e-6 ) ) - 1.0 : 1.0;
-	v = vec3[4]( centre + ahead * cos_end + sideways * sin_end, centre + ( ahead * turn.y + sideways * turn.x ) * ( radius * far ),
-		centre + ( ahead * turn.y - sideways * turn.x ) * ( radius * far ), centre + ahead * cos_end - sideways * sin_end );
-}
-
-/** The polygon that replaces a tube or line: a strip for a line, otherwise an octagon with the same area as the outline. Inside a tube, the polygon covers the whole sky. */
-uint solid_outline( int l, vec3 position, vec3 sky, out vec3 v[8] ) {
-	vec3 start = light_centre[l].xyz - position;
-	vec3 end = light_x[l].xyz - position;
-	vec3 along = end - start;
-	float size = light_centre[l].w;
-	if ( is_shape( l, 3 ) ) {
-		vec3 across = unit_of( cross( start, end ) ) * ( 0.5 * size );
-		v = vec3[8]( start - across, start + across, end + across, end - across, start, start, start, start );
-		return 4u;
-	}
-	vec3 nearest = solid_nearest( l, position );
-	vec3 beside = start - along * ( dot( start, along ) / max( dot( along, along ), 1e-36 ) );
-	bool is_inside = dot( nearest, nearest ) <= size * size;
-	if ( is_inside || dot( along, along ) == 0.0 || dot( beside, beside ) <= size * size ) {
-		if ( is_inside ) nearest = sky;
-		float radius = is_inside ? 0.999 : size;
-		float sine2 = radius * radius / dot( nearest, nearest );
-		mat2x3 basis = solid_basis( unit_of( nearest ) ) * ( radius * sqrt( 1.0 - sine2 ) * 1.0539074 );
-		for ( int i = 0; i < 8; i ++ ) {
-			float turn = ( 0.5 - float( i ) ) * 0.78539816;
-			v[i] = nearest * ( 1.0 - sine2 ) + basis * vec2( cos( turn ), sin( turn ) );
-		}
-		return 8u;
-	}
-	vec3 sideways = normalize( cross( along, beside ) );
-	vec3 a[4], b[4];
-	tube_end( start, - along, beside, sideways, size, a );
-	tube_end( end, along, beside, - sideways, size, b );
-	v = vec3[8]( a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3] );
-	return 8u;
-}
-
-/** The vertices of a light in the tangent frame of a surface point. Returns their number. */
-uint outline_of( int l, Shaded at, out vec3 v[8] ) {
-	mat3 to_local = transpose( mat3( at.x, at.y, at.z ) );
-	uint count = uint( light_corners[l] );
-	for ( int i = 0; i < 8; i ++ ) v[i] = light_vertices[8 * l + i].xyz - at.position;
-	if ( is_solid( l ) ) count = solid_outline( l, at.position, at.z, v );
-	for ( int i = 0; i < 8; i ++ ) v[i] = to_local * v[i];
-	return count;
-}
-`;
-
-/** Sampling of lights: directions, and densities per steradian. */
-export const SAMPLED_LIGHTS = `
+// Sampling of lights: directions, and densities per steradian.
 /** Intersects a tube or line with the ray along wi. x: distance, negative for a miss. y: cosine at the surface. */
 vec2 tube_hit( int l, vec3 position, vec3 wi ) {
 	float radius = light_centre[l].w * ( is_shape( l, 3 ) ? 0.5 : 1.0 );
@@ -172,6 +64,37 @@ vec2 flat_hit( int l, vec3 position, vec3 wi ) {
 	}
 	return vec2( is_hit ? away : - 1.0, emitting( l, - cosine ) );
 }
+
+#if SHAPES_USED & 32
+/** A ball: centre and radius. A box: lowest and highest coordinates. Without extent, they are missing. */
+uniform vec4 ball;
+uniform vec3 box_low, box_high;
+
+/** xyz: the normal of the occluder that a ray meets first. w: its distance, zero if there is none. */
+vec4 occluder_hit( vec3 from, vec3 ray ) {
+	vec4 found = vec4( 0.0 );
+	vec3 middle = from - ball.xyz;
+	float along = - dot( middle, ray );
+	float height2 = ball.w * ball.w - dot( middle + along * ray, middle + along * ray );
+	float away = along - sqrt( max( height2, 0.0 ) );
+	if ( height2 > 0.0 && away > 1e-4 ) found = vec4( ( middle + away * ray ) / ball.w, away );
+	vec3 low = ( box_low - from ) / ray, high = ( box_high - from ) / ray;
+	vec3 enters = min( low, high ), leaves = max( low, high );
+	float enter = max( max( enters.x, enters.y ), enters.z );
+	if ( enter > 1e-4 && enter < min( min( leaves.x, leaves.y ), leaves.z ) && ( found.w == 0.0 || enter < found.w ) ) found = vec4( - sign( ray ) * vec3( equal( enters, vec3( enter ) ) ), enter );
+	return found;
+}
+
+/** Whether an occluder hides a light in the direction wi. */
+bool is_hidden( int l, vec3 position, vec3 wi ) {
+	float away = occluder_hit( position, wi ).w;
+	if ( away == 0.0 ) return false;
+	float of_light = is_solid( l ) ? tube_hit( l, position, wi ).x : flat_hit( l, position, wi ).x;
+	return of_light < 0.0 || away < of_light;
+}
+#else
+bool is_hidden( int l, vec3 position, vec3 wi ) { return false; }
+#endif
 
 /** The density of light_sample in the direction wi. Negative if wi misses the light, zero if light_sample does not sample the light. */
 float light_pdf( int l, vec3 position, vec3 wi ) {
@@ -276,4 +199,3 @@ vec4 light_sample( int l, vec3 position, vec2 u ) {
 	float facing = - dot( outwards, direction );
 	return vec4( direction, facing > 0.0 ? away2 / ( area.x * max( facing, 1e-6 ) ) : 0.0 );
 }
-`;
