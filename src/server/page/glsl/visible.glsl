@@ -18,15 +18,19 @@ float visible_part( int l, Shaded at, SamplerPolygon light, bool is_specular, uv
 }
 
 void main() {
-	specular = diffuse = vec4( 1.0 );
+	// A shader may not choose a component of an output by a variable.
+	vec4 parts = vec4( 1.0 ), diffuse_parts = vec4( 1.0 );
+	specular = diffuse = parts;
 	Shaded at = shaded_point();
 	if ( at.coverage <= 0.0 ) return;
 	uvec4 seed = seeds( uint( gl_FragCoord.y ) * uint( size ) + uint( gl_FragCoord.x ) );
 	for ( int l = 0; l < light_count; l ++ ) {
 		vec3 v[8];
 		uint count = outline_of( l, at, v );
-		specular[l] = visible_part( l, at, sampler_normals_polygon( at.alpha.x, at.alpha.y, at.wo, v, count, is_two_sided( l ) ), true, seed.xy );
-		diffuse[l] = visible_part( l, at, sampler_ltc_polygon( mat3( 1.0 ), v, count, is_two_sided( l ) ), false, seed.zw );
+		parts[l] = visible_part( l, at, sampler_normals_polygon( at.alpha.x, at.alpha.y, at.wo, v, count, is_two_sided( l ) ), true, seed.xy );
+		diffuse_parts[l] = visible_part( l, at, sampler_ltc_polygon( mat3( 1.0 ), v, count, is_two_sided( l ) ), false, seed.zw );
 		seed = seeds( seed.w );
 	}
+	specular = parts;
+	diffuse = diffuse_parts;
 }
