@@ -147,11 +147,11 @@ await withWorld( async ( { service, open } ) => {
 	const reference = sum( truly.pixels ) / sum( byte( plastic, truly.png, [ '--truth' ], 'true_' ) ) - 1;
 	// The mean error of the picture, against `--truth` at every twelfth pixel of the sphere.
 	const errors = {};
-	for ( const [ table, words, spp = 256 ] of [ [ '', [ '--model', 'normals' ], 1024 ], [ 'ltc-formula', [ '--model', 'ltc-formula' ] ], [ digest, [ '--model', 'ltc', '--table', 'table' ] ] ] ) {
+	for ( const [ table, words ] of [ [ 'ltc-formula', [ '--model', 'ltc-formula' ] ], [ digest, [ '--model', 'ltc', '--table', 'table' ] ] ] ) {
 
-		const scene = { table, metal: 'white', alpha_x: 0.4, alpha_y: 0.1, rotation: 0, light_width: 1.5, show: 'reference', spp };
+		const scene = { table, metal: 'white', alpha_x: 0.4, alpha_y: 0.1, rotation: 0, light_width: 1.5, show: 'reference', spp: 256 };
 		await shown( scene );
-		await sampled( spp );
+		await sampled( 256 );
 		const told = await page.evaluate( () => JSON.parse( document.querySelector( '.stage canvas' ).dataset.errors ).sides[ 0 ].mean );
 		const asked = read( new URLSearchParams( scene ) );
 		const grid = Array.from( { length: 1849 }, ( _, i ) => [ 4 + 12 * ( i % 43 ), 4 + 12 * Math.floor( i / 43 ) ] ).map( ( place ) => line( asked, place ) ).filter( ( text ) => ! text.includes( 'NaN' ) );
@@ -160,7 +160,7 @@ await withWorld( async ( { service, open } ) => {
 		const [ names, ...rows ] = stdout.trimEnd().split( '\n' ).map( ( row ) => row.split( ',' ) );
 		const [ ours, truth ] = [ 'reflected', 'true_reflected' ].map( ( name ) => rows.map( ( row ) => Number( row[ names.indexOf( name ) ] ) ) );
 		const total = ( values ) => values.reduce( ( a, b ) => a + b, 0 );
-		errors[ table === digest ? 'table' : table || 'normals' ] = [ told, total( ours.map( ( value, i ) => Math.abs( value - truth[ i ] ) ) ) / total( truth ), grid.length ];
+		errors[ table === digest ? 'table' : table ] = [ told, total( ours.map( ( value, i ) => Math.abs( value - truth[ i ] ) ) ) / total( truth ), grid.length ];
 
 	}
 

@@ -92,6 +92,11 @@ fn a_scene_in_one_file_is_planned_for() {
     let bare = send("?bytes=500&no_terms=true&registers=64");
     assert_eq!(bare["plan"]["tables"][0]["recipe"]["terms"], json!(false));
     assert_eq!(bare["plan"]["tables"][0]["rule"], json!("fast"));
+    let engine = send("?engine=three");
+    assert_eq!(engine["plan"]["tables"][0]["recipe"]["layout"], json!("ltc2017"));
+    let field = [("content-type", "model/gltf-binary")];
+    let other = server.request("POST", "/v1/plans?engine=cry", &field, Some(&triangle())).with_status(400).json();
+    assert!(text(&other["detail"]).starts_with("engine=cry: must be one of three, "), "{other:#}");
 }
 
 #[test]

@@ -95,6 +95,6 @@ export function ownLights( found, { middle, radius } ) {
 	const all = merged( found.filter( ( { shape } ) => Object.hasOwn( LIGHT_SHAPES, shape ) ).map( moved ).map( flat ) ).map( turned );
 	const lights = all.toSorted( ( a, b ) => b.reaches - a.reaches ).slice( 0, MOST_LIGHTS );
 	const factor = BRIGHTNESS / lights.reduce( ( sum, { reaches } ) => sum + reaches, 0 );
-	const rounded = ( light ) => Object.fromEntries( OF_LIGHT.map( ( { name } ) => [ name, Number( ( ( name === 'intensity' ? factor : 1 ) * light[ name ] ).toPrecision( 5 ) ) ] ) );
+	const rounded = ( light ) => Object.fromEntries( OF_LIGHT.map( ( { name } ) => [ name, Number( ( ( name === 'intensity' ? factor : 1 ) * light[ name ] ).toFixed( 5 ) ) ] ) );
 	return { lights: lights.map( ( { reaches, ...light } ) => ( { ...light, ...rounded( light ) } ) ), count: all.length };
 }

@@ -100,7 +100,7 @@ export function planned( show, light, signal ) {
 		const readme = [ `# Area lights for ${ scene.name } in ${ called }`, '', ...summary.map( ( line ) => `- ${ line.trim() }` ), '',
 			'## The table', '', `The files hold the table that is planned for this scene${ layout ? `, in the layout of ${ called } (\`${ layout }\`)` : '' }: ${ table }.`, '', ...made.steps.map( ( step, i ) => `${ i + 1 }. ${ step }` ), '',
 			lookup && `The includes that begin with \`${ lookup }\` read the table.\n`, '`ltcforge fit recipe.json` makes the table again.', '',
-			...( form ? [ '## Without a table', '', `The includes that begin with \`${ form }\` light the same materials by a closed form. Use them if the plan above says so, and leave the table out.`, '' ] : [] ) ];
+			...( form ? [ '## Without a table', '', `The includes that begin with \`${ form }\` light the same materials by a closed form. Use them if the plan above says so, and leave the table out. The folders examples/three, examples/babylon and examples/playcanvas of ltcforge show how.`, '' ] : [] ) ];
 		const text = ( path, content ) => ( { path, bytes: new TextEncoder().encode( content ) } );
 		saveAs( zip( [ text( 'README.md', readme.filter( ( line ) => line !== null ).join( '\n' ) ), text( 'recipe.json', json( recipe ) ), ...packed ] ), `${ scene.name.replace( /\.\w+$/, '' ) }-${ name }.zip` );
 		idle( muted( `Saved ${ packed.length + 2 } files.` ) );
