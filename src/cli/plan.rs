@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use super::{
     AnyTable, CommandFailure, Context, Exit, Interrupt, TableFolder, Threads, check_output_folder, export,
-    file_failure, fit, light_case::CaseFormat, named, shown, tradeoff::processor_seconds, usage, write_in,
+    file_failure, fit, light_case::CaseFormat, named, shown, usage, write_in,
 };
 use ltcforge_files::{
     bounded::read_named,
@@ -220,7 +220,8 @@ fn lights(path: &Path) -> Result<Vec<SceneLight>, CommandFailure> {
     for (index, line) in text.lines().enumerate().filter(|(_, line)| !format.is_header(line)) {
         let number = index + 1;
         let placed = format.placed(line).map_err(|why| usage(format!("{}, line {number}: {why}", path.display())))?;
-        let light = |(_, light)| SceneLight::new(format!("light in line {number}"), light, [1.0; 3]);
+        let name = format!("line {number} of {}", path.display());
+        let light = |(_, shape)| SceneLight::new(name, vec![shape], [1.0; 3]);
         lights.extend(placed.map(light));
     }
     if lights.is_empty() || lights.len() > MOST_LIGHTS {
@@ -231,18 +232,13 @@ fn lights(path: &Path) -> Result<Vec<SceneLight>, CommandFailure> {
 
 /// Fits the table of a plan and measures it. If this changes the choice, does the same for the new choice.
 fn fitted(plan: &mut TablePlan<'_>, draws_progress: bool, interrupt: &Interrupt) -> Result<Table, CommandFailure> {
-    let timed = |recipe: &Recipe| {
-        let started = processor_seconds();
-        let table = fit::fit_alone(recipe, draws_progress, interrupt)?;
-        Ok::<_, CommandFailure>((table, processor_seconds() - started))
-    };
-    let (whole, seconds) = timed(&plan.whole.recipe)?;
-    plan.time_whole(seconds);
-    let (mut table, mut seconds) = timed(&plan.chosen.recipe)?;
-    plan.measure(&table, Some(&whole), Some(seconds));
+    let fit = |recipe: &Recipe| fit::fit_alone(recipe, draws_progress, interrupt);
+    let whole = fit(&plan.whole.recipe)?;
+    let mut table = fit(&plan.chosen.recipe)?;
+    plan.measure(&table, Some(&whole));
     while !plan.is_measured() {
-        (table, seconds) = timed(&plan.chosen.recipe)?;
-        plan.measure(&table, None, Some(seconds));
+        table = fit(&plan.chosen.recipe)?;
+        plan.measure(&table, None);
     }
     Ok(table)
 }
@@ -271,6 +267,11 @@ fn write_table(
 /// The command that a user runs after this one.
 fn next_command(args: &PlanArgs, plan: Option<&TablePlan<'_>>) -> String {
     let (scene, out) = (args.scene.display(), args.out.display());
+    if let Some((form, _)) = plan.and_then(TablePlan::form_first) {
+        let rule = form.rule.map_or_else(String::new, |rule| format!(" --rule {rule}"));
+        let table = if args.fit { "" } else { "; for the table, add --fit to this command" };
+        return format!("next: ltcforge shader --model {}{rule} --language glsl -o light.glsl{table}", form.model);
+    }
     let shader = plan.map_or_else(String::new, |plan| {
         let recipe = &plan.chosen.recipe;
         let lobes = if recipe.brdf.fresnel().second().is_some() { " --two-lobes" } else { "" };
@@ -316,10 +317,16 @@ fn check(
     let figures = pool.install(|| figures_of(scene, &of.table)).unwrap_or_default();
     let above = figures.iter().filter(|figure| figure.error > most).count();
     let line = |figure: &Figure| {
-        let (name, error) = (&scene.materials[figure.material].name, figure.error);
+        let (name, error) = (figure.name(scene), figure.error);
         let word = if error > most { "above" } else { "the largest, within the limit" };
         let of = if scene.lights.is_empty() { "the lobe's width" } else { "the light" };
-        format!("{name}: error {error:.4} of {of}, {word} {most:.4}")
+        let helps: String = figure
+            .helps
+            .iter()
+            .filter(|_| error > most)
+            .flat_map(|help| ["; better: ".to_owned(), help.in_words()])
+            .collect();
+        format!("{name}: error {error:.4} of {of}, {word} {most:.4}{helps}")
     };
     let mut lines: Vec<String> = figures.iter().take(above.max(1)).map(line).collect();
     let other = |(material, kind): &(String, _)| {

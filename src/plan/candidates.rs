@@ -37,8 +37,8 @@ pub struct Candidate {
     pub error: f64,
     /// Bytes of matrices and terms.
     pub bytes: u64,
-    /// The part of the error that remains with any nodes and any effort.
-    pub(crate) limit: f64,
+    /// The part of the error that remains with any nodes and any effort; `None` for the default table.
+    pub(crate) limit: Option<f64>,
     /// Predicted bytes of the compact form or of the engine's files, if the budget counts them.
     pub shipped: Option<u64>,
     /// Predicted seconds of one thread.
@@ -51,8 +51,8 @@ impl Candidate {
     pub(crate) fn of(prediction: &Prediction, nodes: Nodes, fit: FitSettings) -> Self {
         let recipe = Recipe { fit, precision: Precision::F16, ..prediction.recipe(nodes) };
         let (error, bytes, seconds) = (prediction.error(nodes, &recipe), recipe.bytes(), fit_seconds(&recipe));
-        let (limit, shipped) = (prediction.limit(recipe.brdf.fresnel()), prediction.shipped(&recipe));
-        Self { recipe, error, bytes, limit, shipped, seconds }
+        let (limit, shipped) = (prediction.limit(nodes.lobes), prediction.shipped(&recipe));
+        Self { recipe, error, bytes, limit: Some(limit.min(error)), shipped, seconds }
     }
 
     /// The same nodes with another effort.
@@ -97,19 +97,18 @@ pub(crate) fn candidates(prediction: &Prediction) -> Vec<Candidate> {
 fn choices(prediction: &Prediction, lobes: usize) -> Vec<Nodes> {
     let range = &prediction.base.range;
     let counts = |[low, high]: [f64; 2], [from, to]: [u32; 2]| if low < high { from..=to } else { 1..=1 };
-    let of_axis = |axis: usize, range, limits| -> Vec<(u32, Option<usize>)> {
-        let given = prediction.curves[lobes].given[axis].iter().enumerate();
-        let given = given.map(|(index, placed)| (placed.nodes.len() as u32, Some(index)));
-        counts(range, limits).map(|n| (n, None)).chain(given).collect()
+    let of_axis = |axis: usize, range, limits| -> Vec<(u32, bool)> {
+        let given = prediction.curves[lobes].given[axis].as_ref().map(|nodes| (nodes.len() as u32, true));
+        counts(range, limits).map(|n| (n, false)).chain(given).collect()
     };
     let ratios = of_axis(1, range.ratio, NODES.ratio);
-    // For alpha and ratio: the numbers of nodes, the indices of listed nodes, and whether the nodes are materials.
+    // For alpha and ratio: the numbers of nodes, whether they are listed, and whether they are materials.
     let mut surfaces = Vec::new();
     for (alpha, given_alpha) in of_axis(0, range.alpha, NODES.alpha) {
         surfaces.extend(ratios.iter().map(|(ratio, given)| (alpha, *ratio, [given_alpha, *given], false)));
     }
     if !prediction.materials.is_empty() {
-        surfaces.push((prediction.materials.len() as u32, 1, [None; 2], true));
+        surfaces.push((prediction.materials.len() as u32, 1, [false; 2], true));
     }
     let mut all = Vec::new();
     for (alpha, ratio, given, of_materials) in surfaces {
@@ -147,18 +146,31 @@ pub(crate) fn choose(candidates: &[Candidate], budget: Budget) -> Result<&Candid
             (ERROR, most, [(BYTES, 1.0), (SECONDS, 1.0), (ERROR, 1.0)])
         }
     };
-    let allowed: Vec<&Candidate> = candidates.iter().filter(|candidate| price(candidate) <= most).collect();
+    let mut allowed: Vec<&Candidate> = candidates.iter().filter(|candidate| price(candidate) <= most).collect();
     if allowed.is_empty() {
         return Err(least(candidates.iter().collect(), [(price, 1.0), (ERROR, equal), (BYTES, 1.0)]));
+    }
+    // For the same budget, nothing above the default table's error is chosen.
+    if let Budget::Bytes(_) | Budget::Seconds(_) = budget
+        && let Some(error) = allowed.iter().find(|candidate| candidate.limit.is_none()).map(|whole| whole.error)
+    {
+        allowed.retain(|candidate| candidate.error <= error);
     }
     Ok(least(allowed, then))
 }
 
-/// The highest price within a slack of the lowest. Only errors have a slack. It applies above the part that remains.
+/// The highest price within a slack of the lowest. Only errors have a slack. It applies to the part that nodes and effort
+/// remove from the error of the scene's own tables. This part of the default table's error is not known.
 fn within(candidates: &[&Candidate], price: Price, slack: f64) -> f64 {
-    let lowest = |of: Price| candidates.iter().map(|candidate| of(candidate)).fold(f64::INFINITY, f64::min);
-    let least = lowest(price);
-    if slack == 1.0 { least } else { least + (slack - 1.0) * (least - lowest(|candidate| candidate.limit)).max(0.0) }
+    let least = |prices: &mut dyn Iterator<Item = f64>| prices.fold(f64::INFINITY, f64::min);
+    let lowest = least(&mut candidates.iter().map(|candidate| price(candidate)));
+    if slack == 1.0 {
+        return lowest;
+    }
+    let own = || candidates.iter().filter_map(|candidate| Some((candidate.error, candidate.limit?)));
+    let removable = least(&mut own().map(|(error, _)| error)) - least(&mut own().map(|(_, limit)| limit));
+    // Under a few lights, a table may be nearer than the error that should remain. Then a part of all error is equal.
+    lowest + if removable > 0.0 { (slack - 1.0) * removable } else { (EQUAL - 1.0) * lowest }
 }
 
 /// The candidate with the lowest first price. Candidates within a price's slack are compared by the next price. Domain:
@@ -178,7 +190,7 @@ mod tests {
 
     fn candidate(error: f64, bytes: u64, seconds: f64) -> Candidate {
         let recipe = parse(b"{}", DEFAULT_ENTRY_LIMIT).expect("a recipe");
-        Candidate { recipe, error, bytes, limit: 0.049, shipped: None, seconds }
+        Candidate { recipe, error, bytes, limit: Some(0.049), shipped: None, seconds }
     }
 
     #[test]
@@ -204,5 +216,22 @@ mod tests {
         for budget in [Budget::Knee, Budget::Bytes(500)] {
             assert_eq!(choose(&one_size, budget).expect("one").error, 0.0501);
         }
+    }
+
+    /// The default table neither removes the slack of the scene's own tables, nor loses to a worse table.
+    #[test]
+    fn the_default_table_sets_no_slack() {
+        let whole = |error: f64| Candidate { limit: None, ..candidate(error, 800, 2.0) };
+        let own = [candidate(0.055, 200, 0.2), candidate(0.0505, 400, 0.3), candidate(0.05, 700, 0.9)];
+        let chosen = |whole: Candidate, budget| {
+            choose(&[&own[..], &[whole]].concat(), budget).map(|c| c.bytes).map_err(|c| c.bytes)
+        };
+        let without = choose(&own, Budget::Knee).expect("one").bytes;
+        assert_eq!((without, chosen(whole(0.0495), Budget::Knee)), (400, Ok(400)));
+        // A default table that is far nearer than any own table is chosen.
+        assert_eq!(chosen(whole(0.02), Budget::Knee), Ok(800));
+        assert_eq!(chosen(whole(0.0495), Budget::Bytes(900)), Ok(800));
+        assert_eq!(chosen(whole(0.0495), Budget::Bytes(750)), Ok(700));
+        assert_eq!(chosen(whole(0.06), Budget::Bytes(900)), Ok(700));
     }
 }

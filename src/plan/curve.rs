@@ -2,13 +2,15 @@
 
 use crate::{
     needs::Needs,
-    placement::{Placed, by_weight, of_values},
     probes::{Probes, Stopped},
 };
 use ltcforge_fit::{Closeness, GoOn, Layout, LobeFresnel, PerAxis, Recipe, Table};
 
 /// The coarse table is read again with these numbers of nodes on an axis.
 const FEWER: [u32; 11] = [20, 16, 12, 9, 8, 7, 6, 5, 4, 3, 2];
+/// The number of scene values that may be listed as nodes of an axis. Two values are the ends of the range, which are
+/// always nodes.
+const VALUES: std::ops::RangeInclusive<usize> = 3..=16;
 
 /// The errors of tables with the same lobes.
 #[derive(Debug, Clone)]
@@ -20,13 +22,13 @@ pub(crate) struct Curve {
     /// For each axis: squared steps (see `ltcforge_fit::Layout::steps`), and the error that each step adds to the
     /// coarse table's error.
     pub(crate) added: [Vec<[f64; 2]>; 4],
-    /// Nodes of alpha, and of ratio, that are not evenly spaced.
-    pub(crate) given: [Vec<Placed>; 2],
+    /// The scene's own values of alpha, and of ratio, as nodes. They need no interpolation.
+    pub(crate) given: [Option<Vec<f64>>; 2],
 }
 
 impl Curve {
-    /// Reads a curve for each choice of lobes from a coarse table and its recipe. `any_nodes` allows nodes that are not
-    /// evenly spaced. Runs on the current rayon pool. The size of the pool does not change the result.
+    /// Reads a curve for each choice of lobes from a coarse table and its recipe. `any_nodes` allows the scene's own
+    /// values as nodes. Runs on the current rayon pool. The size of the pool does not change the result.
     ///
     /// # Errors
     /// [`Stopped`] if `go_on` returns `false`.
@@ -46,7 +48,8 @@ impl Curve {
             let curve = Self {
                 of_base: probes.error_as(table, &fresnel, Closeness::Report),
                 added: squared_steps(*layout, range, resolution).map(|squared| vec![[squared, 0.0]]),
-                given: [0, 1].map(|axis| of_values(needs, axis).filter(|_| any_nodes).into_iter().collect()),
+                given: [0, 1]
+                    .map(|axis| Some(values(needs, axis)).filter(|nodes| any_nodes && VALUES.contains(&nodes.len()))),
                 fresnel,
             };
             (curve, of_coarse)
@@ -60,19 +63,10 @@ impl Curve {
                 }
                 let squared = squared_steps(*layout, range, &resolution.with(axis, fewer))[axis];
                 let even = table.coarser(base, axis, fewer);
-                let placed = (any_nodes && axis < 2 && fewer > 2).then(|| {
-                    let values = needs.spots().map(|(spot, _)| ([spot.alpha, spot.ratio][axis], spot.weight));
-                    let nodes = by_weight(*layout, range, axis, values, fewer);
-                    (table.resampled(axis, nodes.clone()), nodes)
-                });
                 for (curve, of_coarse) in &mut curves {
                     let more = coarse_error(&even, &curve.fresnel) - *of_coarse;
-                    curve.added[axis].push([squared, more.max(0.0)]);
-                    let Some((placed, nodes)) = &placed else { continue };
-                    let by_weight = coarse_error(placed, &curve.fresnel) - *of_coarse;
-                    if by_weight < more {
-                        curve.given[axis].push(Placed { nodes: nodes.clone(), added: Some(by_weight.max(0.0)) });
-                    }
+                    // Under a few lights, the errors of nodes may cancel those of lobes.
+                    curve.added[axis].push([squared, if probes.are_lit() { more } else { more.max(0.0) }]);
                 }
             }
         }
@@ -94,14 +88,14 @@ impl Curve {
             _ => points[0][1],
         }
     }
+}
 
-    /// The same curve with all errors multiplied.
-    pub(crate) fn scaled(mut self, factor: f64) -> Self {
-        self.of_base *= factor;
-        self.added.iter_mut().flatten().for_each(|[_, error]| *error *= factor);
-        self.given.iter_mut().flatten().filter_map(|placed| placed.added.as_mut()).for_each(|error| *error *= factor);
-        self
-    }
+/// The distinct values of alpha (axis 0) or ratio (axis 1) in a scene.
+fn values(needs: &Needs<'_>, axis: usize) -> Vec<f64> {
+    let mut nodes: Vec<f64> = needs.spots().map(|(spot, _)| spot.pair()[axis]).collect();
+    nodes.sort_by(f64::total_cmp);
+    nodes.dedup();
+    nodes
 }
 
 /// The squared step of each axis.

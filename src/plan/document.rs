@@ -5,7 +5,6 @@ use serde_json::{Value, json};
 
 use crate::{
     candidates::{Budget, Candidate},
-    figures::worst,
     histogram::span,
     plan::{Fitted, TablePlan},
     scene::{Scene, SceneLight, SceneLobe, SceneMaterial},
@@ -34,18 +33,21 @@ pub fn document(scene: &Scene, plans: &[TablePlan<'_>]) -> Value {
             "triangles": scene.triangles,
             "cameras": scene.cameras,
             "notes": scene.notes,
-            "lights": scene.lights.iter().map(light).collect::<Vec<_>>(),
+            "lights": scene.lights.iter().flat_map(light).collect::<Vec<_>>(),
             "materials": scene.materials.iter().map(material).collect::<Vec<_>>(),
         },
         "tables": plans.iter().map(table).collect::<Vec<_>>(),
     })
 }
 
-fn light(SceneLight { name, light, rgb, .. }: &SceneLight) -> Value {
-    let points: Vec<[f64; 3]> = light.points.iter().map(DVec3::to_array).collect();
-    json!({
-        "name": name, "shape": light.shape.name(), "two_sided": light.sides == Sides::Two, "points": points,
-        "length": light.length, "radiance": rgb,
+/// The shapes of a light: one, or the triangles of a mesh.
+fn light(SceneLight { name, shapes, rgb, .. }: &SceneLight) -> impl Iterator<Item = Value> {
+    shapes.iter().map(move |shape| {
+        let points: Vec<[f64; 3]> = shape.points.iter().map(DVec3::to_array).collect();
+        json!({
+            "name": name, "shape": shape.shape.name(), "two_sided": shape.sides == Sides::Two, "points": points,
+            "length": shape.length, "radiance": rgb,
+        })
     })
 }
 
@@ -84,21 +86,8 @@ fn candidate(candidate: &Candidate, plan: &TablePlan<'_>) -> Value {
 
 /// The measured figures of a table.
 fn fitted(fitted: &Fitted) -> Value {
-    let mut value = json!({ "error": fitted.error, "bytes": fitted.candidate.bytes, "seconds": fitted.seconds });
-    if let Some(bytes) = fitted.shipped {
-        value["shipped_bytes"] = json!(bytes);
-    }
-    value
-}
-
-/// The measured figures of the choice; null if it was not fitted.
-fn measured(plan: &TablePlan<'_>) -> Value {
-    let Some(of_choice) = plan.measured() else { return Value::Null };
-    let mut value = fitted(of_choice);
-    value["off_by"] = json!(of_choice.off_by());
-    value["first_off_by"] = json!(plan.fitted[0].off_by());
-    value["seconds_off_by"] = json!(plan.seconds_off_by(of_choice));
-    value
+    let Fitted { candidate, error, shipped } = fitted;
+    json!({ "error": error, "bytes": candidate.bytes, "shipped_bytes": shipped, "off_by": fitted.off_by() })
 }
 
 fn table(plan: &TablePlan<'_>) -> Value {
@@ -118,32 +107,25 @@ fn table(plan: &TablePlan<'_>) -> Value {
         "serves": serves,
         "budget": { "of": kind, "most": most, "met": is_met },
         "predicted": { "error": chosen.error, "bytes": chosen.bytes, "seconds": chosen.seconds },
-        "limit": chosen.limit,
+        "limit": chosen.limit.unwrap_or(chosen.error),
         "error_of": if plan.probes.are_lit() { "light" } else { "lobe" },
-        "measured": measured(plan),
-        "lobes": plan.lobes().map(|(fresnel, error)| json!({ "fresnel": fresnel, "error": error })).collect::<Vec<_>>(),
+        "measured": plan.measured().map(fitted),
         "gpu_limit": plan.form.gpu,
         "gpu_cost": shading.gpu_cost,
-        "light_error": plan.light_errors()[0],
+        "light_error": plan.light[0],
         "materials": figures,
-        "worst": worst(figures),
-        "worst_material": worst_name(plan),
+        "worst": figures.iter().map(|figure| figure.error).fold(0.0, f64::max),
+        "worst_material": plan.worst().map(|worst| worst.name(plan.needs.scene)),
         "worst_light": plan.worst_light.map(|(name, error)| json!({ "name": name, "error": error })),
         "model": shading.without().map(|without| without.model),
         "rule": shading.without().and_then(|without| without.rule),
         "without_table": shading.without_table,
         "whole": {
             "recipe_digest": digest(&whole.recipe), "bytes": whole.bytes, "predicted_error": whole.predicted,
-            "predicted_seconds": fit_seconds(&whole.recipe), "error": whole.error, "seconds": whole.seconds,
+            "predicted_seconds": fit_seconds(&whole.recipe), "error": whole.error,
         },
         "candidates": plan.front().chain(others).map(|row| candidate(row, plan)).collect::<Vec<_>>(),
     })
-}
-
-/// The material with the largest error.
-fn worst_name<'a>(plan: &TablePlan<'a>) -> Option<&'a str> {
-    let worst = plan.figures.iter().max_by(|a, b| a.error.total_cmp(&b.error))?;
-    Some(&plan.needs.scene.materials[worst.material].name)
 }
 
 /// A lobe that a table covers, with the index of its material in the scene. For a table of materials, also with the

@@ -1,18 +1,60 @@
-//! The errors of a table on each material of a scene, next to the engine's own table and the closed form.
+//! The errors of a table on each material of a scene, next to the engine's own table and the closed form, and the changes
+//! that help each material.
 
 use serde::Serialize;
 
 use crate::{
+    histogram::span,
+    lobes::Lobes,
     needs::Needs,
+    prediction::Prediction,
     probes::Probes,
     scene::{LobeKind, Scene, SceneLobe},
+    without::FAR_NEARER,
 };
-use ltcforge_fit::{BrdfKind, Closeness, LobeFresnel, Table};
+use ltcforge_fit::{BrdfKind, Closeness, LobeFresnel, Recipe, Table};
 use ltcforge_light::{Lighting, TableUse};
 
 /// Number of configurations of `--check` for each lobe, and the minimum and maximum of all.
 const EACH: usize = 128;
 const ALL: [usize; 2] = [512, 8192];
+/// A change helps if it removes this part of the error.
+const HELPS: f64 = 0.2;
+/// A range is wider than another by at least this.
+const WIDER: f64 = 1e-3;
+
+/// A change that brings the light of a material nearer to the truth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Help {
+    /// The closed form instead of a table.
+    ClosedForm,
+    /// More nodes near the roughness of the material.
+    Roughness,
+    /// More nodes for views.
+    Views,
+    /// A second set of lobes: for dielectrics next to metal, or for metal next to dielectrics.
+    SecondSet,
+    /// A table that includes the roughness of the material.
+    WiderRoughness,
+    /// A table that includes the views of the material.
+    WiderViews,
+}
+
+impl Help {
+    /// The change in words.
+    #[must_use]
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::ClosedForm => "the closed form",
+            Self::Roughness => "more nodes near this roughness",
+            Self::Views => "more nodes for views",
+            Self::SecondSet => "a second set, so that metal and plastic have one each",
+            Self::WiderRoughness => "a table that includes this roughness",
+            Self::WiderViews => "a table that includes these views",
+        }
+    }
+}
 
 /// The figures of a lobe of a material.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -28,6 +70,28 @@ pub struct Figure {
     /// Mean absolute error of the light, by the table, by the table that the engine ships or the default table, and by
     /// the closed form.
     pub light: [Option<f64>; 3],
+    /// Whether a light reaches the lobe. If none does, there is no error.
+    pub is_lit: bool,
+    /// The changes that help.
+    pub helps: Vec<Help>,
+}
+
+impl Figure {
+    /// The material's name, with the kind of a lobe over its surface.
+    #[must_use]
+    pub fn name(&self, scene: &Scene) -> String {
+        let kind = match self.kind {
+            LobeKind::Base => "",
+            LobeKind::Clearcoat => " (clear coat)",
+            LobeKind::Sheen => " (sheen)",
+        };
+        format!("{}{kind}", scene.materials[self.material].name)
+    }
+
+    /// The error of the light, or without lights of the table's scattering model, of the lobe.
+    pub(crate) fn shown(&self) -> f64 {
+        self.light[0].unwrap_or(self.error)
+    }
 }
 
 /// A table's light, from one integral for each light.
@@ -35,7 +99,7 @@ pub(crate) fn lighting(table: &Table) -> Lighting<'_> {
     Lighting::Table(table, TableUse { blend: table.second_matrices().is_some(), cut: false })
 }
 
-/// The figures of each lobe with a place, for a table that is read as if it was fitted to `fresnel`. `light` are the errors of light
+/// The figures of each lobe, for a table that is read as if it was fitted to `fresnel`. `light` are the errors of light
 /// at each place.
 pub(crate) fn figures(
     needs: &Needs<'_>,
@@ -50,15 +114,36 @@ pub(crate) fn figures(
         share,
         error: probes.mean_of(&errors, lobe),
         light: light.each_ref().map(|errors| Some(probes.mean_of(errors.as_ref()?, lobe))),
+        is_lit: probes.reaches(lobe),
+        helps: Vec::new(),
     };
-    // A lobe that no light reaches has no error.
-    let has_place = |(lobe, _): &(usize, _)| probes.places.iter().any(|place| place.lobe == *lobe);
-    needs.lobes.iter().zip(needs.shares()).enumerate().filter(has_place).map(figure).collect()
+    needs.lobes.iter().zip(needs.shares()).enumerate().map(figure).collect()
 }
 
-/// The largest error of a table on a lobe.
-pub(crate) fn worst(figures: &[Figure]) -> f64 {
-    figures.iter().map(|figure| figure.error).fold(0.0, f64::max)
+/// Adds the changes that help each lobe, for the table of a recipe. `prediction` has the finer tables to compare with.
+pub(crate) fn add_helps(figures: &mut [Figure], probes: &Probes, prediction: Option<&Prediction>, recipe: &Recipe) {
+    let errors = |prediction: &Prediction, axes| {
+        probes.errors_as(&prediction.read(recipe, axes), recipe.brdf.fresnel(), Closeness::Report)
+    };
+    // The table's nodes on all axes, then all nodes of the coarse table for roughnesses, and for views.
+    let read = prediction.map(|prediction| [0..4, 2..4, 0..2].map(|axes| errors(prediction, axes)));
+    let choices = prediction.map_or(&[][..], |prediction| &prediction.lobes);
+    let own = choices.iter().find(|choice| choice.fresnel == *recipe.brdf.fresnel());
+    for (lobe, figure) in figures.iter_mut().enumerate().filter(|(_, figure)| figure.is_lit) {
+        let mean = |errors: &Vec<f64>| probes.mean_of(errors, lobe);
+        figure
+            .helps
+            .extend(figure.light[2].filter(|form| *form <= FAR_NEARER * figure.shown()).map(|_| Help::ClosedForm));
+        let finer = read.iter().flat_map(|[all, rest @ ..]| rest.iter().map(move |finer| mean(all) - mean(finer)));
+        let mut gains: Vec<(Help, f64)> = [Help::Roughness, Help::Views].into_iter().zip(finer).collect();
+        // Two lobes per entry are two sets.
+        if let Some(own) = own.filter(|own| own.fresnel.second().is_none() && mean(&own.errors) > 0.0) {
+            let least = choices.iter().map(|choice: &Lobes| mean(&choice.errors)).fold(f64::INFINITY, f64::min);
+            gains.push((Help::SecondSet, figure.error * (1.0 - least / mean(&own.errors))));
+        }
+        gains.sort_by(|a, b| b.1.total_cmp(&a.1));
+        figure.helps.extend(gains.iter().filter(|(_, gain)| *gain >= HELPS * figure.error).map(|(help, _)| *help));
+    }
 }
 
 /// The figures of a table on each lobe of its scattering model in a scene, the worst first. `None` if the scene has no
@@ -68,6 +153,23 @@ pub fn check(scene: &Scene, table: &Table) -> Option<Vec<Figure>> {
     let needs = Needs::of(scene, table.brdf() != BrdfKind::Ggx)?;
     let probes = Probes::new(&needs, (EACH * needs.lobes.len()).clamp(ALL[0], ALL[1]));
     let mut figures = figures(&needs, &probes, (table, table.model().fresnel()), &[None, None, None]);
+    let materials: Vec<[f64; 2]> = table.materials().collect();
+    let is_listed = |pair: [f64; 2]| materials.iter().any(|own| (0..2).all(|i| (own[i] - pair[i]).abs() < WIDER));
+    let has = |nodes: &[f64], [low, high]: [f64; 2]| {
+        let [least, most] = span(nodes.iter().copied());
+        low >= least - WIDER && high <= most + WIDER
+    };
+    for (figure, (_, lobe)) in figures.iter_mut().zip(&needs.lobes) {
+        let nodes = table.axes();
+        let roughness = [0, 1].map(|axis| span(lobe.spots.iter().map(|spot| spot.pair()[axis])));
+        let is_within = if materials.is_empty() {
+            has(&nodes.alpha, roughness[0]) && has(&nodes.ratio, roughness[1])
+        } else {
+            lobe.spots.iter().all(|spot| is_listed(spot.pair()))
+        };
+        figure.helps.extend((!is_within).then_some(Help::WiderRoughness));
+        figure.helps.extend((!has(&nodes.theta, lobe.views.theta)).then_some(Help::WiderViews));
+    }
     figures.sort_by(|a, b| b.error.total_cmp(&a.error));
     Some(figures)
 }

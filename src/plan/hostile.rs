@@ -35,6 +35,24 @@ fn distinct(start: &str, end: &str) -> Vec<u8> {
     [start, &names.join(","), end].concat().into_bytes()
 }
 
+/// Views that each decode from one megabyte to 64: the first takes all bytes that views may decode to.
+fn compressed() -> Vec<u8> {
+    const COUNT: usize = 1 << 24;
+    // A header, the heads of all groups of zeros, and the first element.
+    let source = [&[0xa0][..], &vec![0; COUNT / 16], &[0; 32]].concat();
+    let view = format!(
+        r#"{{"buffer":0,"byteLength":4,"extensions":{{"EXT_meshopt_compression":{{"buffer":0,"byteLength":{},"byteStride":4,"count":{COUNT},"mode":"ATTRIBUTES"}}}}}}"#,
+        source.len()
+    );
+    let views = vec![view; 500].join(",");
+    let mut json = format!(r#"{{"buffers":[{{"byteLength":{}}}],"bufferViews":[{views}]}}"#, source.len()).into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let word = |number: usize| (number as u32).to_le_bytes();
+    let length = 28 + json.len() + source.len();
+    let head = [&b"glTF"[..], &word(2), &word(length), &word(json.len()), b"JSON"].concat();
+    [&head[..], &json, &word(source.len()), b"BIN\0", &source].concat()
+}
+
 fn png_of(chunk: &[u8]) -> Vec<u8> {
     let header = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x01\0\0\0\x01\x08\0\0\0\0\x3a\x7e\x9b\x55";
     [&header[..], &chunk.repeat(BODY / chunk.len())].concat()
@@ -68,7 +86,7 @@ const TABULATED: Read = |bytes| tabulated::decode(&bytes).expect_err("hostile").
 type Body = (&'static str, fn() -> Vec<u8>, Read, &'static str);
 
 /// Each body with its reader, and a part of the reader's error.
-const BODIES: [Body; 27] = [
+const BODIES: [Body; 31] = [
     ("nodes", || filled(r#"{"nodes":["#, "{},", "{}]}"), SCENE, "/nodes: more than 524288 objects and lists"),
     ("nodes as lists", || filled(r#"{"nodes":["#, "[],", "[]]}"), SCENE, "/nodes: more than 524288"),
     ("nodes within", || times(r#"{"nodes":["#, "{},", WITHIN, "{}]}"), SCENE, "/nodes: 500001; at most 262144"),
@@ -123,6 +141,33 @@ const BODIES: [Body; 27] = [
     ),
     ("names within", || times(r#"{"extensionsRequired":["#, r#""a","#, VALUES_WITHIN, r#""a"]}"#), SCENE, "no surface"),
     ("a name", || filled(r#"{"meshes":[{"name":""#, "a", r#""}]}"#), SCENE, "no surface"),
+    (
+        "lights within",
+        || times(r#"{"extensions":{"EXT_lights_area":{"lights":["#, "{},", WITHIN, "{}]}}}"),
+        SCENE,
+        "no surface",
+    ),
+    (
+        "nodes with lights within",
+        || {
+            let node = r#"{"extensions":{"EXT_lights_area":{"light":0}}},"#;
+            times(r#"{"extensions":{"EXT_lights_area":{"lights":[{}]}},"nodes":["#, node, WITHIN / 4, "{}]}")
+        },
+        SCENE,
+        "nodes with lights: 125000; at most 4096",
+    ),
+    (
+        "emissive primitives in many poses",
+        || {
+            let start = r#"{"materials":[{"emissiveFactor":[1,1,1],"emissiveTexture":{}}],"meshes":[{"primitives":["#;
+            let poses = r#"{"mesh":0,"weights":[1]},"#.repeat(20_000);
+            let end = format!(r#"{{"material":0}}]}}],"nodes":[{poses}{{}}]}}"#);
+            times(start, r#"{"material":0},"#, 20_000, &end)
+        },
+        SCENE,
+        "primitives of all meshes in their poses",
+    ),
+    ("compressed views", compressed, SCENE, "no surface"),
     ("a list", || filled(r#"{"materials":["#, "{},", "{}]}"), LIST, "/materials: more than 65536"),
     ("a list within", || times(r#"{"materials":["#, "{},", 60_000, "{}]}"), LIST, "/materials: 60001; at most 4096"),
     ("fields of a recipe", || filled("{", r#""a":0,"#, r#""b":0}"#), RECIPE, "more than 131072 values"),

@@ -124,17 +124,13 @@ fn errors_under_own_lights_are_as_predicted_and_not_above_the_default_table_s() 
             if tables.iter().all(|(fitted, _)| *fitted != recipe) {
                 tables.push((recipe.clone(), fitted(&recipe)));
             }
-            plan.measure(
-                &tables.iter().find(|(fitted, _)| *fitted == recipe).expect("it was fitted").1,
-                Some(&*WHOLE),
-                None,
-            );
+            plan.measure(&tables.iter().find(|(fitted, _)| *fitted == recipe).expect("it was fitted").1, Some(&*WHOLE));
         }
         let (predicted, measured) = (plan.fitted[0].candidate.error, plan.fitted[0].error);
         let (last, whole) = (plan.measured().expect("the last").error, plan.whole.error.expect("it was measured"));
         let (off_by, bytes) = (measured / predicted, plan.chosen.bytes);
         let line = format!("{name}: {last:.6}, off by {off_by:.3}, {bytes} bytes; default {whole:.6}");
-        println!("{line} {} points, {:?}, {:?}", scene.points.len(), plan.worst_light, plan.light_errors());
+        println!("{line} {} points, {:?}, {:?}", scene.points.len(), plan.worst_light, plan.light);
         if !(0.85..1.15).contains(&off_by) || last > ROUNDED * whole || bytes > BYTES {
             wrong.push(line);
         }

@@ -30,9 +30,8 @@ const TRIED: usize = 64;
 pub(crate) struct Lobes {
     /// The materials to which the lobes are fitted.
     pub(crate) fresnel: LobeFresnel,
-    /// The mean error of the lobes at places of the scene, as a fraction of the lobe's width; 0 if there is no other
-    /// choice.
-    pub(crate) error: f64,
+    /// The error of the lobes at the first places of the scene; empty if there is no other choice.
+    pub(crate) errors: Vec<f64>,
 }
 
 /// The choices of lobes for tables like `base`, best first: two lobes per entry if they are allowed and better, then
@@ -68,24 +67,24 @@ pub(crate) fn lobes(
         single.push(LobeFresnel::default());
     }
     if let [only] = &single[..] {
-        return Ok(vec![Lobes { fresnel: only.clone(), error: 0.0 }]);
+        return Ok(vec![Lobes { fresnel: only.clone(), errors: Vec::new() }]);
     }
     let measured = |fresnel: LobeFresnel| {
         let lobe = |place: &Place| fitted_at(place, &fresnel, base, go_on);
         let found = probes.places.par_iter().take(TRIED).map(lobe).collect::<Result<Vec<_>, Stopped>>()?;
         let farther = stock.map_or(1.0, |stock| probes.farther(&found, stock));
-        Ok((farther, Lobes { error: probes.error_of(&found), fresnel }))
+        let errors = probes.errors_of_lobes(&found);
+        Ok((farther, probes.mean(&errors), Lobes { fresnel, errors }))
     };
     let mut found = single.into_iter().map(measured).collect::<Result<Vec<_>, Stopped>>()?;
-    found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.error.total_cmp(&b.1.error)));
-    let mut found: Vec<Lobes> = found.into_iter().map(|(_, lobes)| lobes).collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     if may_be_two && parts.len() == 2 {
-        let (_, two) = measured(LobeFresnel::Two(SecondLobe::Blended))?;
-        if two.error < found[0].error {
+        let two = measured(LobeFresnel::Two(SecondLobe::Blended))?;
+        if two.1 < found[0].1 {
             found.insert(0, two);
         }
     }
-    Ok(found)
+    Ok(found.into_iter().map(|(.., lobes)| lobes).collect())
 }
 
 /// The lobe that is fitted for one place of the scene.
@@ -150,6 +149,7 @@ mod tests {
         let found = found(&list(1, 1), true);
         let (two, one) = (&found[0], &found[1]);
         assert_eq!((one.fresnel.second(), two.fresnel.second()), (None, Some(SecondLobe::Blended)));
-        assert!(two.error < 0.7 * one.error, "{} {}", one.error, two.error);
+        let [one, two] = [one, two].map(|lobes| lobes.errors.iter().sum::<f64>());
+        assert!(two < 0.7 * one, "{one} {two}");
     }
 }

@@ -131,7 +131,7 @@ impl<'a> Needs<'a> {
             let [f0, f90, _] = if has_f0 { lobe.formula[pick(&parts, metal).0] } else { [1.0; 3] };
             // A list of materials has no positions: lights are relative to each place.
             let lights = self.scene.lights.iter().enumerate();
-            let lights = lights.filter_map(|(i, light)| Some((i, light.light.seen_from(DVec3::ZERO, DVec3::AXES)?)));
+            let lights = lights.flat_map(|(index, light)| light.seen_from(index, DVec3::ZERO, DVec3::AXES));
             let weight = shares[index] / drawn_at[index] / count as f64;
             Place { lobe: index, weight, at, fresnel: [f0 / f90, 1.0], lights: lights.collect() }
         };

@@ -4,15 +4,15 @@ use std::sync::Arc;
 
 use crate::{
     candidates::{Budget, Candidate, candidates, choose},
-    figures::{Figure, figures, lighting},
+    figures::{Figure, add_helps, figures, lighting},
     form::Form,
     needs::Needs,
     prediction::{Nodes, Prediction, nodes_within},
     probes::{POINTS, Probes, Stopped},
-    without::{Shading, text_cost_of},
+    without::{FAR_NEARER, Shading, WithoutTable, text_cost_of},
 };
 use ltcforge_files::{compact, recipe_document::Preset};
-use ltcforge_fit::{BrdfKind, GoOn, Layout, LobeFresnel, PerAxis, Precision, Recipe, StoredTerms, Table, fit_seconds};
+use ltcforge_fit::{BrdfKind, GoOn, Layout, PerAxis, Precision, Recipe, StoredTerms, Table, fit_seconds};
 use ltcforge_textures::Engine;
 
 /// The default table in its compact form. `UPDATE_GOLDEN=whole cargo test -p ltcforge-plan whole` fits it again.
@@ -25,6 +25,9 @@ const MOST_OFF: f64 = 0.2;
 /// Maximum number of tables that are fitted for one plan. More than two are fitted only if a compact form is still too
 /// long.
 const MOST_FITTED: usize = 5;
+
+/// Maximum number of candidates that are read from the coarse table.
+const MOST_READ: usize = 16;
 
 /// After the first correction, compact forms are predicted to be this factor longer than measured.
 const MARGIN: f64 = 1.02;
@@ -51,12 +54,16 @@ pub struct TablePlan<'a> {
     pub(crate) form: Form,
     /// The figures on each lobe: predicted from the coarse table, or measured.
     pub figures: Vec<Figure>,
+    /// Mean absolute error of the light: by the table, by the engine's or the default table, and by the closed form.
+    pub light: [Option<f64>; 3],
     /// The scene's light with the largest error, and this error.
     pub worst_light: Option<(&'a str, f64)>,
     pub(crate) probes: Arc<Probes>,
     /// The errors of the light with the engine's table, or with the default table.
-    stock: Option<Vec<f64>>,
-    prediction: Prediction,
+    pub(crate) stock: Option<Vec<f64>>,
+    /// The table of the whole domain, if its error is known.
+    pub(crate) whole_table: Option<Arc<Table>>,
+    pub(crate) prediction: Prediction,
 }
 
 /// A candidate that was fitted and measured.
@@ -64,12 +71,10 @@ pub struct TablePlan<'a> {
 pub struct Fitted {
     /// The candidate as predicted.
     pub candidate: Candidate,
-    /// Mean error on the scene's configurations, as a fraction of the lobe's width.
+    /// Mean error on the scene: as a fraction of the lobe's width, or of light under the scene's own lights.
     pub error: f64,
     /// Bytes of the compact form or of the engine's files, if the budget counts them.
     pub shipped: Option<u64>,
-    /// Processor seconds of the fit, if the caller measured them.
-    pub seconds: Option<f64>,
 }
 
 impl Fitted {
@@ -92,8 +97,6 @@ pub struct Whole {
     pub predicted: Option<f64>,
     /// Mean error on the scene's configurations, if the table was measured.
     pub error: Option<f64>,
-    /// Processor seconds of the fit, if the caller measured them.
-    pub seconds: Option<f64>,
 }
 
 impl Whole {
@@ -114,37 +117,35 @@ impl<'a> TablePlan<'a> {
         let layout = form.layout.or(default).unwrap_or(Layout::ALL[0]);
         let probes = Probes::new(&needs, POINTS);
         let kept = compact::decode(WHOLE).ok().filter(|_| needs.brdf == BrdfKind::Ggx);
-        let predicted = kept.as_ref().filter(|_| layout == Layout::ALL[0]).map(|table| probes.error(table));
+        let whole_table = kept.clone().filter(|_| layout == Layout::ALL[0]).map(Arc::new);
+        let predicted = whole_table.as_ref().map(|table| probes.error(table));
         let own = form.engine.and_then(Engine::stock);
         let is_own = own.is_some();
         let stock = own.or(kept).and_then(|table| probes.light_errors(lighting(&table)));
         let of_engine = stock.as_deref().filter(|_| is_own);
         let prediction = Prediction::new((&needs, &probes, of_engine), layout, form, go_on)?;
-        let whole = Whole { predicted, ..whole(&prediction.base) };
-        let chosen = Candidate::of(&prediction, Nodes::even(0, prediction.base.resolution), prediction.base.fit);
-        let shading = Shading::new(&needs, &probes, form.gpu);
-        let (probes, candidates, fitted, figures) = (Arc::new(probes), Vec::new(), Vec::new(), Vec::new());
-        let is_met = false;
         let plan = Self {
-            needs,
             budget,
-            is_met,
-            chosen,
-            candidates,
-            fitted,
-            figures,
+            is_met: false,
+            chosen: Candidate::of(&prediction, Nodes::even(0, prediction.base.resolution), prediction.base.fit),
+            candidates: Vec::new(),
+            fitted: Vec::new(),
+            figures: Vec::new(),
+            light: [None; 3],
             worst_light: None,
-            whole,
-            shading,
+            whole: Whole { predicted, ..whole(&prediction.base) },
+            shading: Shading::new(&needs, &probes, form.gpu),
             form,
-            probes,
+            needs,
+            probes: Arc::new(probes),
             stock,
+            whole_table,
             prediction,
         };
         Ok(plan.choose())
     }
 
-    fn choose(mut self) -> Self {
+    pub(crate) fn choose(mut self) -> Self {
         self.candidates = candidates(&self.prediction);
         let whole = self.of_whole();
         self.candidates.extend(whole);
@@ -154,12 +155,25 @@ impl<'a> TablePlan<'a> {
         if is_any_readable {
             self.candidates.retain(is_readable);
         }
-        let choice = choose(&self.candidates, self.budget);
-        self.is_met = choice.is_ok() && is_any_readable;
-        self.chosen = choice.unwrap_or_else(|nearest| nearest).clone();
-        let is_whole = self.chosen.recipe.range != self.prediction.base.range;
-        let kept = compact::decode(WHOLE).ok().filter(|_| is_whole);
-        let read = kept.unwrap_or_else(|| self.prediction.read(&self.chosen.recipe));
+        // Errors of light do not add up exactly: under the scene's lights, the best candidates are read from the coarse
+        // table.
+        let mut read: Vec<Recipe> = Vec::new();
+        loop {
+            let choice = choose(&self.candidates, self.budget);
+            self.is_met = choice.is_ok() && is_any_readable;
+            self.chosen = choice.unwrap_or_else(|nearest| nearest).clone();
+            let Candidate { recipe, limit, .. } = &self.chosen;
+            if !self.probes.are_lit() || limit.is_none() || read.contains(recipe) || read.len() == MOST_READ {
+                break;
+            }
+            let error = self.prediction.read_error(&self.probes, recipe);
+            for each in self.candidates.iter_mut().filter(|each| each.recipe == *recipe) {
+                (each.error, each.limit) = (error, each.limit.map(|limit| limit.min(error)));
+            }
+            read.push(recipe.clone());
+        }
+        let whole = self.whole_table.clone().filter(|_| self.chosen.limit.is_none());
+        let read = whole.unwrap_or_else(|| Arc::new(self.prediction.read(&self.chosen.recipe, 0..4)));
         self.show(&read);
         self
     }
@@ -167,48 +181,30 @@ impl<'a> TablePlan<'a> {
     /// Computes the figures of each lobe for a table of the choice.
     fn show(&mut self, table: &Table) {
         let of_table = self.probes.light_errors(lighting(table));
-        let mean = of_table.as_ref().map(|errors| self.probes.mean(errors));
-        self.shading.compare(&self.chosen.recipe, mean);
+        self.shading.compare(&self.chosen.recipe, of_table.as_ref().map(|errors| self.probes.mean(errors)));
         self.worst_light = self.probes.worst_light(lighting(table), &self.needs.scene.lights);
         let light = [of_table, self.stock.clone(), self.shading.without().and_then(|form| form.light.clone())];
+        self.light = light.each_ref().map(|errors| Some(self.probes.mean(errors.as_ref()?)));
         self.figures = figures(&self.needs, &self.probes, (table, self.chosen.recipe.brdf.fresnel()), &light);
+        // The default table has other ranges.
+        let prediction = self.chosen.limit.is_some().then_some(&self.prediction);
+        add_helps(&mut self.figures, &self.probes, prediction, &self.chosen.recipe);
     }
 
-    /// The same plan with another budget and other GPU limits. Domain: limits that allow two lobes per entry if the
-    /// limits of this plan allow them.
-    #[cfg(test)]
-    pub(crate) fn within(&self, budget: Budget, gpu: crate::GpuLimit) -> Self {
-        let shading = Shading::new(&self.needs, &self.probes, gpu);
-        Self { budget, shading, form: Form { gpu, ..self.form }, ..self.clone() }.choose()
+    /// The figures of the lobe on which the light is farthest off.
+    #[must_use]
+    pub fn worst(&self) -> Option<&Figure> {
+        self.figures.iter().max_by(|a, b| a.shown().total_cmp(&b.shown()))
     }
 
-    /// The coarse table, read at the nodes of another.
-    #[cfg(test)]
-    pub(crate) fn read(&self, recipe: &Recipe) -> Table {
-        self.prediction.read(recipe)
-    }
-
-    /// Sets the processor seconds of the fit of the whole domain's table, which show how fast this machine is.
-    pub fn time_whole(&mut self, seconds: f64) {
-        self.whole.seconds = Some(seconds);
-    }
-
-    /// The processor seconds of a fit, divided by the prediction for this machine. `None` if the caller did not measure
-    /// both fits.
-    pub(crate) fn seconds_off_by(&self, fitted: &Fitted) -> Option<f64> {
-        let slower = self.whole.seconds? / fit_seconds(&self.whole.recipe);
-        Some(fitted.seconds? / (fitted.candidate.seconds * slower))
-    }
-
-    /// Measures the fitted table of the choice and, if given, the table of the whole domain. `seconds` is the time of
-    /// the fit. The measured error or bytes decide whether the budget is met.
+    /// Measures the fitted table of the choice and, if given, the table of the whole domain. The measured error or bytes
+    /// decide whether the budget is met.
     ///
     /// The first time, the choice is made again with corrected predictions if the prediction was off by more than a
     /// fifth or the table misses the budget. Otherwise, if the table of the whole domain is better, and its halves are
-    /// within a budget of bytes, it becomes the choice. A
-    /// choice whose compact form is too long is corrected several times. If the choice changes, the plan is not
-    /// [measured](TablePlan::is_measured): fit the new choice too.
-    pub fn measure(&mut self, table: &Table, whole: Option<&Table>, seconds: Option<f64>) {
+    /// within a budget of bytes, it becomes the choice. A choice whose compact form is too long is corrected several
+    /// times. If the choice changes, the plan is not [measured](TablePlan::is_measured): fit the new choice too.
+    pub fn measure(&mut self, table: &Table, whole: Option<&Table>) {
         // A table to ship is measured after decoding.
         let (decoded, shipped) = match self.form.engine {
             Some(engine) => (None, engine.bytes(table, &self.chosen.recipe)),
@@ -217,9 +213,10 @@ impl<'a> TablePlan<'a> {
         let error = self.probes.error(decoded.as_ref().unwrap_or(table));
         if let Some(whole) = whole {
             self.whole.error = Some(self.probes.error(whole));
+            self.whole_table = Some(Arc::new(whole.clone()));
         }
         let is_first = self.fitted.is_empty();
-        let fitted = Fitted { candidate: self.chosen.clone(), error, shipped, seconds };
+        let fitted = Fitted { candidate: self.chosen.clone(), error, shipped };
         let factor = fitted.off_by();
         self.fitted.push(fitted);
         let spent = self.chosen.shipped.map_or(self.chosen.bytes, |_| shipped.unwrap_or(u64::MAX));
@@ -252,16 +249,16 @@ impl<'a> TablePlan<'a> {
         }
     }
 
+    /// The best model without a table and its error, if it serves the scene better than the table.
+    #[must_use]
+    pub fn form_first(&self) -> Option<(&WithoutTable, f64)> {
+        let [table, _, form] = self.light;
+        self.shading.without().zip(form).filter(|(_, error)| table.is_some_and(|table| *error <= FAR_NEARER * table))
+    }
+
     /// The engine with its own table.
     pub(crate) fn engine_table(&self) -> Option<Engine> {
         self.form.engine.filter(|engine| engine.layout().is_some())
-    }
-
-    /// Mean absolute error of the light: by the table, by the engine's or the default table, and by the closed form.
-    #[must_use]
-    pub fn light_errors(&self) -> [Option<f64>; 3] {
-        let mean = |of: usize| self.figures.iter().map(|figure| Some(figure.share * figure.light[of]?)).sum();
-        [0, 1, 2].map(mean)
     }
 
     /// The default table of the whole domain in halves, as a candidate whose error is known.
@@ -269,19 +266,12 @@ impl<'a> TablePlan<'a> {
         let error = self.whole.known_error().filter(|_| !self.form.ship && !self.form.no_terms)?;
         let recipe = Recipe { precision: Precision::F16, ..self.whole.recipe.clone() };
         let (bytes, seconds) = (recipe.bytes(), fit_seconds(&recipe));
-        Some(Candidate { shipped: self.prediction.shipped(&recipe), recipe, error, bytes, limit: error, seconds })
+        Some(Candidate { shipped: self.prediction.shipped(&recipe), recipe, error, bytes, limit: None, seconds })
     }
 
     /// The candidates with the effort and lobes of the choice: the front of error against bytes.
     pub(crate) fn front(&self) -> impl Iterator<Item = &Candidate> {
         self.candidates.iter().filter(move |candidate| candidate.kind() == self.chosen.kind())
-    }
-
-    /// The choices of lobes for the scene's table, each with the error of lobes that are fitted at configurations of
-    /// the scene. Empty if there is only one choice.
-    pub(crate) fn lobes(&self) -> impl Iterator<Item = (&LobeFresnel, f64)> {
-        let all = &self.prediction.lobes;
-        all.iter().filter(|_| all.len() > 1).map(|lobes| (&lobes.fresnel, lobes.error))
     }
 
     /// The measurement of the choice, if it was the last to be fitted and measured.
@@ -313,5 +303,5 @@ fn whole(base: &Recipe) -> Whole {
         precision: Precision::F32,
         ..base.clone()
     };
-    Whole { bytes: recipe.bytes(), recipe, predicted: None, error: None, seconds: None }
+    Whole { bytes: recipe.bytes(), recipe, predicted: None, error: None }
 }

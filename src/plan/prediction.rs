@@ -10,13 +10,14 @@
 //! one lobe. One lobe and two lobes have separate curves: a single lobe is far from plastic or from metal, and this
 //! error hides the interpolation error.
 
+use std::ops::Range;
+
 use crate::{
     curve::{Curve, squared_steps},
     effort::added_error,
     form::Form,
     lobes::{Lobes, fitted, lobes},
     needs::Needs,
-    placement::Placed,
     probes::{Probes, Stopped},
 };
 use ltcforge_files::{
@@ -24,8 +25,7 @@ use ltcforge_files::{
     recipe_document::Preset,
 };
 use ltcforge_fit::{
-    FITTER_VERSION, GivenNodes, GoOn, Layout, LobeFresnel, LobeModel, PerAxis, Precision, Recipe, StoredTerms, Table,
-    expectation,
+    FITTER_VERSION, GivenNodes, GoOn, Layout, LobeModel, PerAxis, Precision, Recipe, StoredTerms, Table, expectation,
 };
 use ltcforge_shaders::GpuCost;
 use ltcforge_textures::Engine;
@@ -52,7 +52,8 @@ pub(crate) struct Prediction {
     engine: Option<Engine>,
     /// The bytes of compact forms, if the budget counts them.
     compact: Option<CompactBytes>,
-    /// A factor on the bytes that are shipped.
+    /// Factors on all errors, and on the bytes that are shipped.
+    of_errors: f64,
     of_bytes: f64,
     /// The scene's pairs of alpha and ratio; empty if a table cannot have them as materials.
     pub(crate) materials: Vec<[f64; 2]>,
@@ -65,8 +66,8 @@ pub(crate) struct Nodes {
     pub(crate) lobes: usize,
     /// The number of nodes on each axis.
     pub(crate) resolution: PerAxis<u32>,
-    /// The index of listed nodes in [`Curve::given`], for alpha and for ratio.
-    pub(crate) given: [Option<usize>; 2],
+    /// Whether the nodes are those of [`Curve::given`], for alpha and for ratio.
+    pub(crate) given: [bool; 2],
     /// Whether the nodes are the scene's pairs, in a table of layout `materials`.
     pub(crate) of_materials: bool,
 }
@@ -74,7 +75,7 @@ pub(crate) struct Nodes {
 impl Nodes {
     /// Evenly spaced nodes.
     pub(crate) fn even(lobes: usize, resolution: PerAxis<u32>) -> Self {
-        Self { lobes, resolution, given: [None; 2], of_materials: false }
+        Self { lobes, resolution, given: [false; 2], of_materials: false }
     }
 }
 
@@ -132,19 +133,39 @@ impl Prediction {
         let materials = if may_be_materials { needs.pairs() } else { Vec::new() };
         let compact = if form.ship { CompactBytes::of(&table, &base) } else { None };
         let scale = if probes.are_lit() { curves[0].of_base / expectation(&base).error } else { 1.0 };
-        Ok(Self { base, lobes, curves, table, scale, engine: form.engine, compact, of_bytes: 1.0, materials })
+        Ok(Self {
+            base,
+            lobes,
+            curves,
+            table,
+            scale,
+            engine: form.engine,
+            compact,
+            of_errors: 1.0,
+            of_bytes: 1.0,
+            materials,
+        })
     }
 
     /// The error of a recipe's table on the scene. Domain: a recipe with these nodes; see [`Prediction::base`].
     pub(crate) fn error(&self, nodes: Nodes, recipe: &Recipe) -> f64 {
-        let effort = self.scale * (added_error(recipe) - added_error(&self.base));
-        self.curves[nodes.lobes].of_base + self.of_nodes(nodes) + effort
+        self.of_errors * (self.curves[nodes.lobes].of_base + self.of_nodes(nodes) + self.of_effort(recipe))
     }
 
-    /// The error of the finest table with these lobes.
-    pub(crate) fn limit(&self, fresnel: &LobeFresnel) -> f64 {
-        let curve = self.curves.iter().find(|curve| curve.fresnel == *fresnel).unwrap_or(&self.curves[0]);
-        curve.of_base + curve.interpolation([0.0; 4]) - self.scale * added_error(&self.base)
+    /// The error of a recipe's table, measured on the coarse table at its nodes.
+    pub(crate) fn read_error(&self, probes: &Probes, recipe: &Recipe) -> f64 {
+        self.of_errors * (probes.error(&self.read(recipe, 0..4)) + self.of_effort(recipe))
+    }
+
+    /// The error that an effort adds to the coarse table's error.
+    fn of_effort(&self, recipe: &Recipe) -> f64 {
+        self.scale * (added_error(recipe) - added_error(&self.base))
+    }
+
+    /// The error of the finest table with some lobes.
+    pub(crate) fn limit(&self, lobes: usize) -> f64 {
+        let curve = &self.curves[lobes];
+        self.of_errors * (curve.of_base + curve.interpolation([0.0; 4]) - self.scale * added_error(&self.base))
     }
 
     /// The bytes of a recipe's compact form or of an engine's files, if the budget counts them.
@@ -156,12 +177,12 @@ impl Prediction {
         bytes.map(|bytes| (bytes as f64 * self.of_bytes).ceil() as u64)
     }
 
-    /// The coarse table, read at the nodes of another table. Nodes that are the scene's own values stay those of the
-    /// coarse table.
-    pub(crate) fn read(&self, recipe: &Recipe) -> Table {
-        let nodes = recipe.nodes();
-        let axes = if recipe.layout.is_of_materials() { 2..4 } else { 0..4 };
-        let axes = axes.filter(|_| self.base.layout.only_ranges().is_none());
+    /// The coarse table, read at the nodes of another table on some axes. Nodes that are the scene's own values stay
+    /// those of the coarse table.
+    pub(crate) fn read(&self, recipe: &Recipe, axes: Range<usize>) -> Table {
+        let (nodes, is_of_materials) = (recipe.nodes(), recipe.layout.is_of_materials());
+        let is_read = |axis: &usize| self.base.layout.only_ranges().is_none() && (*axis > 1 || !is_of_materials);
+        let axes = axes.filter(is_read);
         let read = axes.fold(self.table.clone(), |table, axis| table.resampled(axis, nodes.named()[axis].1.clone()));
         let fresnel = recipe.brdf.fresnel();
         if fresnel == self.base.brdf.fresnel() { read } else { read.with_one_lobe(fresnel) }
@@ -169,9 +190,7 @@ impl Prediction {
 
     /// The prediction after a table was measured: `factor` multiplies all errors, `of_bytes` all bytes that are shipped.
     pub(crate) fn corrected(&self, factor: f64, of_bytes: f64) -> Self {
-        let curves = self.curves.iter().map(|curve| curve.clone().scaled(factor)).collect();
-        let (scale, of_bytes) = (factor * self.scale, of_bytes * self.of_bytes);
-        Self { curves, scale, of_bytes, ..self.clone() }
+        Self { of_errors: factor * self.of_errors, of_bytes: of_bytes * self.of_bytes, ..self.clone() }
     }
 
     /// The error that nodes add to the coarse table's error.
@@ -179,15 +198,10 @@ impl Prediction {
         let Nodes { lobes, resolution, given, of_materials } = nodes;
         let curve = &self.curves[lobes];
         let mut squared = squared_steps(self.base.layout, &self.base.range, &resolution);
-        let mut more = 0.0;
-        for (axis, given) in given.into_iter().enumerate() {
-            match given.map(|index| &curve.given[axis][index]) {
-                None if !of_materials => {}
-                None | Some(Placed { added: None, .. }) => squared[axis] = 0.0,
-                Some(Placed { added: Some(added), .. }) => more += added - curve.along(axis, squared[axis]),
-            }
+        for axis in (0..2).filter(|axis| of_materials || given[*axis]) {
+            squared[axis] = 0.0;
         }
-        curve.interpolation(squared) + more
+        curve.interpolation(squared)
     }
 
     /// The recipe of a table with these nodes, and the coarse table's effort and number format.
@@ -203,8 +217,7 @@ impl Prediction {
             let given = GivenNodes::default().with_materials(&self.materials);
             return Recipe { layout: Layout::Materials, given, ..recipe };
         }
-        let [alpha, ratio] =
-            [0, 1].map(|axis| given[axis].map_or(Vec::new(), |index| curve.given[axis][index].nodes.clone()));
+        let [alpha, ratio] = [0, 1].map(|axis| curve.given[axis].clone().filter(|_| given[axis]).unwrap_or_default());
         Recipe { given: GivenNodes::new(PerAxis { alpha, ratio, theta: Vec::new(), phi: Vec::new() }), ..recipe }
     }
 }

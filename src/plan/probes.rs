@@ -1,6 +1,6 @@
 //! Configurations of a scene with the lobes and the true light of its materials, for measuring the errors of tables.
 
-use std::{collections::BTreeMap, sync::OnceLock};
+use std::sync::OnceLock;
 
 use crate::{
     histogram::LEAST_METAL,
@@ -95,10 +95,17 @@ impl Probes {
         self.errors_of(table.lobe, &self.places.iter().take(points).map(at).collect::<Vec<_>>(), closeness)
     }
 
-    /// Mean error of lobes, each fitted for one of the first places. Domain: at least one lobe.
-    pub(crate) fn error_of(&self, lobes: &[LookedUp]) -> f64 {
+    /// The errors of lobes, each fitted for one of the first places.
+    pub(crate) fn errors_of_lobes(&self, lobes: &[LookedUp]) -> Vec<f64> {
         let blended = self.places.iter().zip(lobes).map(|(place, lobe)| lobe.blended_for(place.f0()));
-        self.mean(&self.errors_of(LobeModel::Ltc, &blended.collect::<Vec<_>>(), Closeness::Report))
+        self.errors_of(LobeModel::Ltc, &blended.collect::<Vec<_>>(), Closeness::Report)
+    }
+
+    /// Whether light of the scene, or of random rectangles, is reflected at a place of the lobe.
+    pub(crate) fn reaches(&self, lobe: usize) -> bool {
+        let truth = self.lit().filter(|_| self.are_lit()).map_or(&[][..], |lit| lit.truth());
+        let mut lit = self.places.iter().zip(truth);
+        !self.are_lit() || lit.any(|(place, truth)| place.lobe == lobe && truth.iter().any(|light| *light > 0.0))
     }
 
     /// How many times the light of lobes is farther than `stock` from dielectrics or from metal, at least 1. Each lobe
@@ -134,17 +141,15 @@ impl Probes {
     /// The light of the scene with the largest mean error, and this error. Lights of one name are one light.
     pub(crate) fn worst_light<'a>(&self, model: Lighting<'_>, lights: &'a [SceneLight]) -> Option<(&'a str, f64)> {
         let errors = self.lit().filter(|_| self.are_lit())?.errors(model).ok()?;
-        let mut sums: BTreeMap<&str, f64> = BTreeMap::new();
-        for (place, errors) in self.places.iter().zip(errors) {
-            let mut here: BTreeMap<&str, f64> = BTreeMap::new();
-            for ((light, _), error) in place.lights.iter().zip(errors) {
-                *here.entry(&lights[*light].name).or_default() += place.weight * error;
-            }
-            for (name, error) in here {
-                *sums.entry(name).or_default() += error.abs();
-            }
-        }
-        sums.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))
+        let at = |(place, errors): (&Place, &Vec<f64>), name: &str| {
+            let own = place.lights.iter().zip(errors).filter(|((light, _), _)| lights[*light].name == name);
+            own.map(|(_, error)| error).sum::<f64>().abs()
+        };
+        let mean = |name: &'a str| {
+            let of_light: Vec<f64> = self.places.iter().zip(&errors).map(|pair| at(pair, name)).collect();
+            (name, self.mean(&of_light))
+        };
+        lights.iter().map(|light| mean(&light.name)).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// Weighted mean of the errors at the first places.

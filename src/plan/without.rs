@@ -19,11 +19,11 @@ pub(crate) fn text_cost_of(recipe: &Recipe) -> Option<GpuCost> {
 
 /// A model without a table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct WithoutTable {
+pub struct WithoutTable {
     /// The model.
-    pub(crate) model: LightModel,
+    pub model: LightModel,
     /// Its rule, if it has rules.
-    pub(crate) rule: Option<NormalsRule>,
+    pub rule: Option<NormalsRule>,
     /// The cost of its shader for one rectangle.
     pub(crate) gpu_cost: Option<GpuCost>,
     /// Mean absolute error of the light, and the error at each place.

@@ -5,11 +5,10 @@ use std::collections::BTreeMap;
 use crate::{
     candidates::Budget,
     effort::in_words as effort_in_words,
-    figures::Figure,
+    figures::{Figure, Help},
     histogram::span,
     plan::TablePlan,
-    scene::{LobeKind, Scene},
-    without::FAR_NEARER,
+    scene::Scene,
 };
 use ltcforge_fit::BrdfKind;
 
@@ -17,8 +16,8 @@ use ltcforge_fit::BrdfKind;
 const MOST_LINES: usize = 12;
 /// A table is worse than another if its error is above this factor of the other's.
 const WORSE: f64 = 1.02;
-/// More nodes help if they can remove this part of the error.
-const NODES_HELP: f64 = 0.2;
+/// Maximum number of names in a line.
+const MOST_NAMES: usize = 4;
 
 /// The summary of a scene's plans: first the advice, then a line for each material, then what is left out. `is_verbose`
 /// adds nodes, samples and registers.
@@ -41,11 +40,14 @@ pub fn words(scene: &Scene, plans: &[TablePlan<'_>], is_verbose: bool) -> Vec<St
             advice(scene, plan)
         ));
         lines.extend(engine_lines(scene, plan));
-        let mut figures: Vec<&Figure> = plan.figures.iter().collect();
+        let (mut figures, dark): (Vec<&Figure>, Vec<&Figure>) = plan.figures.iter().partition(|figure| figure.is_lit);
         figures.sort_by(|a, b| b.share.total_cmp(&a.share));
-        lines.extend(figures.iter().take(MOST_LINES).map(|figure| material_line(scene, plan, figure)));
+        lines.extend(figures.iter().take(MOST_LINES).map(|figure| material_line(scene, figure)));
         if figures.len() > MOST_LINES {
             lines.push(format!("  and {} more: `materials` in plan.json", figures.len() - MOST_LINES));
+        }
+        if !dark.is_empty() {
+            lines.push(format!("no light reaches {}", names(dark.iter().map(|figure| figure.name(scene)).collect())));
         }
         if !plan.is_met && plan.shading.is_table_readable {
             lines.push(unmet(plan));
@@ -75,29 +77,36 @@ fn stock(plan: &TablePlan<'_>) -> String {
     plan.engine_table().map_or("the default table".to_owned(), |engine| format!("the table that {engine} ships"))
 }
 
+/// The unit of the errors by which tables are chosen.
+fn unit(plan: &TablePlan<'_>) -> &'static str {
+    if plan.probes.are_lit() { "of the light" } else { "lobe widths" }
+}
+
 /// The choice that serves a scene best.
 fn advice(scene: &Scene, plan: &TablePlan<'_>) -> String {
+    if plan.figures.iter().all(|figure| !figure.is_lit) {
+        return "No light of the scene reaches these materials, so errors are not known.".to_owned();
+    }
     let size = in_bytes(plan.fitted.last().and_then(|fitted| fitted.shipped).unwrap_or(plan.chosen.spent()));
-    let [Some(table), other, form] = plan.light_errors() else {
-        return format!("The table of {size} has an error of {:.4} lobe widths.", plan.chosen.error);
+    let [Some(table), other, _] = plan.light else {
+        return format!("Use this table of {size}: its error is {:.4} {}.", plan.chosen.error, unit(plan));
     };
-    let part = |figure: &&Figure| figure.share * figure.light[0].unwrap_or(0.0);
-    let worst = plan.figures.iter().max_by(|a, b| part(a).total_cmp(&part(b)));
-    let worst = worst.map_or_else(String::new, |worst| {
-        let light = plan.worst_light.map_or_else(String::new, |(light, _)| format!(", its worst light {light}"));
-        format!("; its worst material is {} ({:.0} % of the surface){light}", name(scene, worst), 100.0 * worst.share)
+    let worst = plan.worst().filter(|_| plan.figures.len() > 1).map_or_else(String::new, |worst| {
+        format!("; its worst material is {} ({:.0} % of the surface)", worst.name(scene), 100.0 * worst.share)
     });
+    let light = plan.worst_light.filter(|_| scene.lights.len() > 1);
+    let light = light.map_or_else(String::new, |(light, _)| format!("; its worst light is {light}"));
     let against = match other {
-        Some(other) => format!("{} {}{worst}", compared(table, other), stock(plan)),
-        None => format!("off by {table:.5} of the light{worst}"),
+        Some(other) => format!("{} {}", compared(table, other), stock(plan)),
+        None => format!("off by {table:.5} of the light"),
     };
-    match plan.shading.without().zip(form) {
-        Some((without, error)) if error <= FAR_NEARER * table => format!(
-            "Use the closed form ({}): no table, {} this plan's table. A table of {size} would be {against}.",
+    match plan.form_first() {
+        Some((without, error)) => format!(
+            "Use the closed form ({}): no table, {} this plan's table. A table of {size} would be {against}{worst}{light}.",
             without.in_words(),
             compared(error, table)
         ),
-        _ => format!("Use this table of {size}: it is {against}."),
+        None => format!("Use this table of {size}: it is {against}{worst}{light}."),
     }
 }
 
@@ -107,48 +116,44 @@ fn engine_lines(scene: &Scene, plan: &TablePlan<'_>) -> Vec<String> {
     let Some(engine) = plan.form.engine else { return Vec::new() };
     let form =
         plan.shading.without().map_or("no closed form".to_owned(), |form| format!("closed form, {}", form.in_words()));
-    let names = [stock(plan), "this table".to_owned(), form];
-    let [table, other, form] = plan.light_errors();
+    let called = [stock(plan), "this table".to_owned(), form];
+    let [table, other, form] = plan.light;
     let line = |(name, error): (String, Option<f64>)| Some(format!("  {name}: error {:.5}", error?));
-    let mut lines: Vec<String> = names.into_iter().zip([other, table, form]).filter_map(line).collect();
+    let mut lines: Vec<String> = called.into_iter().zip([other, table, form]).filter_map(line).collect();
     let worse = |figure: &Figure| {
         let [table, other, _] = figure.light;
         let (table, other) = table.zip(other).filter(|(table, other)| *table > WORSE * other)?;
-        Some(format!("{} ({table:.5} against {other:.5})", name(scene, figure)))
+        Some(format!("{} ({table:.5} against {other:.5})", figure.name(scene)))
     };
-    let worse: Vec<String> = plan.figures.iter().filter_map(worse).take(MOST_LINES).collect();
+    let worse: Vec<String> = plan.figures.iter().filter_map(worse).collect();
     if !worse.is_empty() && plan.engine_table().is_some() {
-        lines.push(format!("warning: farther than the table that {engine} ships on {}", worse.join(", ")));
+        lines.push(format!("warning: farther than the table that {engine} ships on {}", names(worse)));
     }
     lines
 }
 
-fn name(scene: &Scene, figure: &Figure) -> String {
-    let kind = match figure.kind {
-        LobeKind::Base => "",
-        LobeKind::Clearcoat => " (clear coat)",
-        LobeKind::Sheen => " (sheen)",
-    };
-    format!("{}{kind}", scene.materials[figure.material].name)
+/// The first names, and the number of the others.
+fn names(mut all: Vec<String>) -> String {
+    let more = all.len().saturating_sub(MOST_NAMES);
+    all.truncate(MOST_NAMES);
+    all.join(", ") + &if more > 0 { format!(" and {more} more") } else { String::new() }
 }
 
-/// A material: its roughness, its share, its error, and the way to a smaller error.
-fn material_line(scene: &Scene, plan: &TablePlan<'_>, figure: &Figure) -> String {
+/// A material: its roughness, its share, its error, and the ways to a smaller error.
+fn material_line(scene: &Scene, figure: &Figure) -> String {
     let spots = scene.materials[figure.material].lobes.iter().filter(|lobe| lobe.kind == figure.kind);
     let [low, high] = span(spots.flat_map(|lobe| &lobe.spots).map(|spot| spot.alpha.sqrt()));
     let roughness = if high - low < 0.005 { format!("{low:.2}") } else { format!("{low:.2} to {high:.2}") };
-    let [table, _, form] = figure.light;
-    let error = table.unwrap_or(figure.error);
-    let nodes = plan.chosen.error - plan.chosen.limit;
-    let help = match (plan.shading.without(), form) {
-        (Some(without), Some(form)) if form <= FAR_NEARER * error => {
-            format!("closed form ({}): {form:.5}", without.in_words())
-        }
-        _ if nodes > NODES_HELP * plan.chosen.error => "more bytes help".to_owned(),
-        _ => "as near as these lobes can be".to_owned(),
+    let help = |help: &Help| match help {
+        Help::ClosedForm => format!("the closed form ({:.5})", figure.light[2].unwrap_or_default()),
+        other => other.in_words().to_owned(),
     };
-    let (name, share) = (name(scene, figure), 100.0 * figure.share);
-    format!("  {name}: roughness {roughness}, {share:.0} % of the surface, error {error:.5}; {help}")
+    let helps: Vec<String> = figure.helps.iter().map(help).collect();
+    let helps =
+        if helps.is_empty() { "as near as a table can be".to_owned() } else { format!("better: {}", helps.join(", ")) };
+    let (name, share, error) = (figure.name(scene), 100.0 * figure.share, figure.shown());
+    let unit = if figure.light[0].is_none() { " lobe widths" } else { "" };
+    format!("  {name}: roughness {roughness}, {share:.0} % of the surface, error {error:.5}{unit}; {helps}")
 }
 
 /// The parts of a scene's light that no table covers, grouped, and notes about parts of the scene that were not read.
@@ -191,16 +196,18 @@ fn words_of(plan: &TablePlan<'_>) -> Vec<String> {
     };
     let measured = plan.measured().map_or_else(String::new, |fitted| format!("; measured {:.4}", fitted.error));
     let whole_error = whole.known_error().map_or_else(String::new, |error| format!(", error {error:.4}"));
+    let remains = chosen
+        .limit
+        .map_or_else(String::new, |limit| format!(", of which {limit:.4} remains with any number of nodes"));
     let mut lines = vec![
         format!(
-            "{surfaces} x {theta} x {phi} nodes, {} as {}, {}, {:.1} s on one core: expected error {:.4} lobe widths, \
-             of which {:.4} remains with any number of nodes{measured}",
+            "{surfaces} x {theta} x {phi} nodes, {} as {}, {}, {:.1} s on one core: expected error {:.4} {}{remains}{measured}",
             in_bytes(chosen.bytes),
             recipe.precision,
             effort_in_words(&recipe.fit),
             chosen.seconds,
             chosen.error,
-            chosen.limit
+            unit(plan)
         ),
         format!("lobes fitted to {}", recipe.brdf.fresnel()),
         format!("the table of the whole domain: {}{whole_error}", in_bytes(whole.bytes)),
@@ -236,7 +243,10 @@ fn unmet(plan: &TablePlan<'_>) -> String {
     match plan.budget {
         Budget::Error(most) => {
             let error = plan.measured().map_or(chosen.error, |fitted| fitted.error);
-            format!("no table has an error of {most} or less: the nearest table has {error:.4}")
+            format!(
+                "no table has an error of {most} {unit} or less: the nearest table has {error:.4}",
+                unit = unit(plan)
+            )
         }
         Budget::Bytes(most) => {
             let least = plan.fitted.iter().filter_map(|fitted| fitted.shipped).min().unwrap_or(chosen.spent());

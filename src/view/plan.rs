@@ -117,7 +117,12 @@ fn draw_spots(out: &mut Vec<String>, table: &Value, scene: &Value) {
 /// Draws errors by bytes: the front, the choice and the table of the whole domain.
 fn draw_front(out: &mut Vec<String>, table: &Value) {
     let (left, [width, height]) = (LEFT[1], PANEL);
-    out.extend(frame(left, "Error on the scene against bytes", "bytes of matrices and terms"));
+    let title = if table["error_of"] == "light" {
+        "Error of the light against bytes"
+    } else {
+        "Error in lobe widths against bytes"
+    };
+    out.extend(frame(left, title, "bytes of matrices and terms"));
     let point = |of: &Value, error: &str| Some([of["bytes"].as_f64()?, of[error].as_f64()?]);
     let whole = point(&table["whole"], "error").or_else(|| point(&table["whole"], "predicted_error"));
     let chosen = point(&table["predicted"], "error").unwrap_or([1.0; 2]);
@@ -206,6 +211,7 @@ mod tests {
         {
             assert!(svg.contains(part), "{part}: {svg}");
         }
+        assert!(svg.contains("Error in lobe widths"), "{svg}");
         assert!(!svg.contains(r#"class="measured""#) && !svg.contains("NaN") && !svg.contains("inf"), "{svg}");
         let bare = plan_picture(&serde_json::json!({ "tables": [{}] }));
         assert!(bare.starts_with("<svg") && !bare.contains("NaN"), "{bare}");

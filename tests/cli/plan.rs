@@ -30,7 +30,9 @@ fn a_plan_is_fitted_pinned_and_checked() {
         "{output}"
     );
     assert!(output.contains("\n  steel: roughness 0.45, 75 % of the surface, error 0.0"), "{output}");
-    assert!(output.contains(" --two-lobes --language glsl; in CI: ") && !output.contains("nodes"), "{output}");
+    // The next command is the one for the first sentence.
+    assert!(output.contains("\nnext: ltcforge shader --model normals --rule "), "{output}");
+    assert!(output.contains("; better: the closed form (0.0") && !output.contains(" nodes,"), "{output}");
     let plan = json_of(&fs::read(here.join("ltc/plan.json")).expect("a plan"));
     let table = &plan["tables"][0];
     let bytes = table["predicted"]["bytes"].as_u64().expect("bytes");
@@ -75,7 +77,7 @@ fn a_budget_that_cannot_be_met_names_the_nearest_table() {
     let output = run(here, ["plan", "scene.json", "--bytes", "20"]).exited(1).stdout;
     assert!(output.contains("20 bytes are too few: the smallest table has 44"), "{output}");
     let output = run(here, ["plan", "scene.json", "--error", "0.001"]).exited(1).stdout;
-    assert!(output.contains("no table has an error of 0.001 or less: the nearest table has"), "{output}");
+    assert!(output.contains("no table has an error of 0.001 lobe widths or less: the nearest table has"), "{output}");
 }
 
 #[test]

@@ -4,20 +4,26 @@ use glam::{DMat4, DVec3};
 
 use super::{
     accessor::Buffers,
-    document::{AreaLight, AreaLights, Document, Emission},
+    document::{AreaLight, AreaLights, Document, Emission, Material},
     error::{Faults, SceneError, Unread, named, shown},
     extensions::{EXT_LIGHTS_AREA, extension},
     geometry::Geometry,
     graph::Graph,
     material::{LobeKind, luminance},
 };
-use ltcforge_fit::{Configuration, Sides};
+use ltcforge_fit::{Configuration, GoOn, Sides};
 use ltcforge_light::{AnyLight, LightShape, PlacedLight};
 
-/// Maximum number of lights, and of vertices of a mesh whose triangles are lights.
-const MOST_LIGHTS: usize = 32;
+/// Maximum number of polygons and disks of all lights, and of vertices of a mesh that is a light.
+const MOST_SHAPES: usize = 64;
 const MOST_VERTICES: u64 = 64;
-/// The largest size, aspect, intensity and radiance of a light.
+/// Maximum number of nodes with lights, of lights that are compared, and of primitives in all poses of their meshes.
+const MOST_NODES: u64 = 1 << 12;
+const MOST_COMPARED: usize = 1 << 12;
+const MOST_PRIMITIVES: u64 = 1 << 24;
+/// Maximum number of notes about lights.
+const MOST_NOTES: usize = 100;
+/// The largest size, aspect, intensity and radiance of a light, and the largest coordinate.
 const MOST: f64 = 1e9;
 
 /// An area light in the coordinates of a scene.
@@ -25,8 +31,8 @@ const MOST: f64 = 1e9;
 pub struct SceneLight {
     /// The light's name.
     pub name: String,
-    /// Its shape in the coordinates of the scene.
-    pub light: PlacedLight,
+    /// Its shapes in the coordinates of the scene: one, or the triangles of a mesh.
+    pub shapes: Vec<PlacedLight>,
     /// The radiance: the luminance of `rgb`.
     pub radiance: f64,
     /// The radiance in linear red, green and blue.
@@ -36,8 +42,19 @@ pub struct SceneLight {
 impl SceneLight {
     /// A light with the luminance of a colour.
     #[must_use]
-    pub fn new(name: String, light: PlacedLight, rgb: [f64; 3]) -> Self {
-        Self { name, light, radiance: luminance(rgb), rgb }
+    pub fn new(name: String, shapes: Vec<PlacedLight>, rgb: [f64; 3]) -> Self {
+        Self { name, shapes, radiance: luminance(rgb), rgb }
+    }
+
+    /// The shapes as seen from a point, in its frame of tangent, bitangent and normal, each with the `index` of the
+    /// light.
+    pub(crate) fn seen_from(
+        &self,
+        index: usize,
+        position: DVec3,
+        frame: [DVec3; 3],
+    ) -> impl Iterator<Item = (usize, AnyLight)> {
+        self.shapes.iter().filter_map(move |shape| Some((index, shape.seen_from(position, frame)?)))
     }
 }
 
@@ -51,7 +68,7 @@ pub(crate) struct ScenePoint {
     pub(crate) at: Configuration,
     /// Reflectance at normal and at grazing incidence, by the specification.
     pub(crate) fresnel: [f64; 2],
-    /// The lights that reach the point, by their index.
+    /// The shapes of lights that reach the point, each with the index of its light.
     pub(crate) lights: Vec<(usize, AnyLight)>,
 }
 
@@ -60,7 +77,9 @@ pub(super) fn read(
     document: &Document,
     buffers: &Buffers<'_>,
     graph: &Graph,
+    go_on: &GoOn<'_>,
 ) -> Result<(Vec<SceneLight>, Vec<String>), SceneError> {
+    SceneError::above("nodes with lights", graph.lights.len() as u64, MOST_NODES)?;
     let AreaLights { lights: listed, .. } = extension("", &document.extensions, EXT_LIGHTS_AREA)?;
     let (mut lights, mut notes) = (Vec::new(), Vec::new());
     for (node, world) in &graph.lights {
@@ -71,26 +90,40 @@ pub(super) fn read(
         let index = light.filter(|light| *light < listed.len()).ok_or_else(missing)?;
         let name = named(listed[index].name.as_deref(), || format!("light {index}"));
         match area_light(&listed[index], index, world)? {
-            Some((light, rgb)) => lights.push(SceneLight::new(name, light, rgb)),
-            None => notes.push(format!("{name}: a light of type {} is not read", shown(&listed[index].kind))),
+            Ok((shape, rgb)) => lights.push(SceneLight::new(name, vec![shape], rgb)),
+            Err(why) => notes.push(format!("{name}: {why}")),
         }
     }
-    emissive(document, buffers, graph, &mut lights, &mut notes)?;
+    emissive(document, buffers, graph, (&mut lights, &mut notes), go_on)?;
     if document.extensions.contains_key("KHR_lights_punctual") {
         notes
             .push("KHR_lights_punctual: point, spot and directional lights are not read: they have no area".to_owned());
     }
     lights.retain(|light| light.radiance > 0.0);
-    if lights.len() > MOST_LIGHTS {
-        notes.push(format!("lights that are ignored: {}; the limit is {MOST_LIGHTS}", lights.len() - MOST_LIGHTS));
+    let shapes = |lights: &[SceneLight]| lights.iter().map(|light| light.shapes.len()).sum::<usize>();
+    if shapes(&lights) > MOST_SHAPES {
+        // The brightest lights stay.
         lights.sort_by(|a, b| b.radiance.total_cmp(&a.radiance));
-        lights.truncate(MOST_LIGHTS);
+        let (all, mut left) = (lights.len(), MOST_SHAPES);
+        lights.retain(|light| {
+            light.shapes.len() <= left && {
+                left -= light.shapes.len();
+                true
+            }
+        });
+        let ignored = all - lights.len();
+        notes.push(format!("lights that are ignored: {ignored}; all lights may have {MOST_SHAPES} polygons and disks"));
     }
+    notes.truncate(MOST_NOTES);
     Ok((lights, notes))
 }
 
-/// A light of `EXT_lights_area` with its radiance. It shines along -Z. `None` for an unknown shape.
-fn area_light(light: &AreaLight, index: usize, world: &DMat4) -> Result<Option<(PlacedLight, [f64; 3])>, SceneError> {
+/// A light of `EXT_lights_area` with its radiance, or why it is not read. It shines along -Z.
+fn area_light(
+    light: &AreaLight,
+    index: usize,
+    world: &DMat4,
+) -> Result<Result<(PlacedLight, [f64; 3]), String>, SceneError> {
     let (size, aspect, intensity) =
         (light.size.unwrap_or(1.0), light.rect.aspect.unwrap_or(1.0), light.intensity.unwrap_or(1.0));
     let color = light.color.unwrap_or([1.0; 3]);
@@ -110,61 +143,91 @@ fn area_light(light: &AreaLight, index: usize, world: &DMat4) -> Result<Option<(
             let [u, v] = [y, 0.5 * size * DVec3::X].map(|axis| world.transform_vector3(axis));
             (LightShape::Disk, vec![world.w_axis.truncate(), u, v])
         }
-        _ => return Ok(None),
+        _ => return Ok(Err(format!("a light of type {} is not read", shown(&light.kind)))),
     };
     if world.determinant() < 0.0 {
         let first = usize::from(shape == LightShape::Disk);
         points[first..].reverse();
     }
-    Ok(Some((PlacedLight { shape, sides: Sides::One, points, length: 0.0 }, color.map(|part| intensity * part))))
+    let placed = PlacedLight { shape, sides: Sides::One, points, length: 0.0 };
+    Ok(if is_near(&placed) { Ok((placed, color.map(|part| intensity * part))) } else { Err(FAR.to_owned()) })
 }
 
-/// Adds the triangles of small meshes that emit light.
+const FAR: &str = "a light with a coordinate above 1e9 is not read";
+
+/// Whether all coordinates of a light are within [`MOST`].
+fn is_near(light: &PlacedLight) -> bool {
+    light.points.iter().all(|point| point.abs().max_element() <= MOST)
+}
+
+/// The radiance of a material's emission.
+fn radiance((index, material): (usize, &Material)) -> Result<[f64; 3], SceneError> {
+    let place = format!("/materials/{index}");
+    let emission: Emission = extension(&place, &material.extensions, "KHR_materials_emissive_strength")?;
+    let strength = emission.emissive_strength.unwrap_or(1.0);
+    let mut faults = Faults::default();
+    for part in material.emissive_factor {
+        faults.within(format!("{place}/emissiveFactor"), part, f64::MAX);
+    }
+    faults.within(format!("{place}/extensions/KHR_materials_emissive_strength/emissiveStrength"), strength, f64::MAX);
+    faults.none()?;
+    Ok(material.emissive_factor.map(|part| strength * part))
+}
+
+/// Adds small meshes that emit light: one light for each instance of a primitive.
 fn emissive(
     document: &Document,
     buffers: &Buffers<'_>,
     graph: &Graph,
-    lights: &mut Vec<SceneLight>,
-    notes: &mut Vec<String>,
+    (lights, notes): (&mut Vec<SceneLight>, &mut Vec<String>),
+    go_on: &GoOn<'_>,
 ) -> Result<(), SceneError> {
+    let radiances: Vec<[f64; 3]> = document.materials.iter().enumerate().map(radiance).collect::<Result<_, _>>()?;
+    let mut primitives = 0;
     for (posed, worlds) in &graph.worlds {
+        SceneError::unless(go_on)?;
         let mesh = &document.meshes[posed.mesh];
-        let name = named(mesh.name.as_deref(), || format!("mesh {}", posed.mesh));
+        primitives += mesh.primitives.len() as u64;
+        SceneError::above("primitives of all meshes in their poses", primitives, MOST_PRIMITIVES)?;
+        let name = || named(mesh.name.as_deref(), || format!("mesh {}", posed.mesh));
         for (number, primitive) in mesh.primitives.iter().enumerate() {
-            let Some(index) = primitive.material else { continue };
-            let material = &document.materials[index];
-            let emission: Emission =
-                extension(&format!("/materials/{index}"), &material.extensions, "KHR_materials_emissive_strength")?;
-            let strength = emission.emissive_strength.unwrap_or(1.0);
-            let rgb = material.emissive_factor.map(|part| strength * part);
-            let radiance = luminance(rgb);
-            if !(radiance > 0.0 && radiance <= MOST) {
-                continue;
-            }
+            let Some(index) = primitive.material.filter(|index| luminance(radiances[*index]) > 0.0) else { continue };
+            let (material, rgb) = (&document.materials[index], radiances[index]);
             let read = primitive.attributes.values().copied().chain(primitive.indices);
-            let is_small = read.map(|accessor| document.accessors[accessor].count).max() <= Some(MOST_VERTICES)
-                && lights.len() <= MOST_LIGHTS;
-            if !is_small || material.emissive_texture.is_some() {
-                let why =
-                    if is_small { "its emissive texture" } else { "its emission (a large mesh, or too many lights)" };
-                notes.push(format!("{name}: {why} is not read as a light"));
-                continue;
-            }
+            let is_large = read.map(|accessor| document.accessors[accessor].count).max() > Some(MOST_VERTICES);
             let place = format!("/meshes/{}/primitives/{number}", posed.mesh);
-            let pose = graph.pose(document, posed);
-            let Ok(geometry) = Unread::split(Geometry::read(buffers, (primitive, &place), &pose, &[], false))? else {
-                continue;
+            let read = match () {
+                () if luminance(rgb) > MOST => Err("its emission is above 1e9".to_owned()),
+                () if material.emissive_texture.is_some() => Err("its emission has a texture".to_owned()),
+                () if is_large => Err(format!("it has more than {MOST_VERTICES} vertices or indices")),
+                () if lights.len() + worlds.len() > MOST_COMPARED => Err("there are too many lights".to_owned()),
+                () => {
+                    let pose = graph.pose(document, posed);
+                    Unread::split(Geometry::read(buffers, (primitive, &place), &pose, &[], false))?
+                }
             };
-            for world in worlds.iter().take(MOST_LIGHTS + 1) {
-                for triangle in 0..geometry.len() {
+            let sides = if material.double_sided { Sides::Two } else { Sides::One };
+            let placed = |geometry: &Geometry, world: &DMat4| -> Vec<PlacedLight> {
+                let triangle = |triangle: usize| {
                     let mut points = geometry.triangle(triangle, world).to_vec();
                     if world.determinant() > 0.0 {
                         points.reverse();
                     }
-                    let sides = if material.double_sided { Sides::Two } else { Sides::One };
-                    let light = PlacedLight { shape: LightShape::Polygon, sides, points, length: 0.0 };
-                    lights.push(SceneLight::new(name.clone(), light, rgb));
+                    PlacedLight { shape: LightShape::Polygon, sides, points, length: 0.0 }
+                };
+                (0..geometry.len()).filter(|i| geometry.area(*i, world) > 0.0).map(triangle).filter(is_near).collect()
+            };
+            let before = lights.len();
+            let why = match read {
+                Ok(geometry) => {
+                    let all = worlds.iter().map(|world| placed(&geometry, world)).filter(|shapes| !shapes.is_empty());
+                    lights.extend(all.map(|shapes| SceneLight::new(name(), shapes, rgb)));
+                    "its triangles are empty or too far away".to_owned()
                 }
+                Err(why) => why,
+            };
+            if lights.len() == before && notes.len() < MOST_NOTES {
+                notes.push(format!("{}: {why}; it is not read as a light", name()));
             }
         }
     }

@@ -72,7 +72,7 @@ impl Scene {
         let buffers = Buffers::read(&document, &mut container)?;
         let graph = Graph::of(&document, &buffers)?;
         let materials = materials(&document, &graph, &buffers, &mut container, go_on)?;
-        let (own, notes) = lights::read(&document, &buffers, &graph)?;
+        let (own, notes) = lights::read(&document, &buffers, &graph, go_on)?;
         let lights = if lights.is_empty() { own } else { lights };
         let mut scene = surface::gather(&document, &buffers, &graph, &materials, lights, go_on)?;
         scene.notes.extend(ignored(&document).into_iter().chain(notes));

@@ -31,9 +31,9 @@ const FULL_CAMERAS: f64 = 16.0;
 const MOST_CAMERAS: u64 = 256;
 /// Points that a thread reads before it asks the caller whether to continue.
 const POINTS_OF_PART: usize = 1 << 10;
-/// Points that are read under the scene's lights, times the number of lights, and the least and the most points.
+/// Points that are read under the scene's lights, times the shapes of all lights, and the least and the most points.
 const LIT: f64 = 8192.0;
-const LEAST_LIT: f64 = 256.0;
+const LEAST_LIT: f64 = 128.0;
 const MOST_LIT: f64 = 2048.0;
 /// Minimum number of triangles whose area a thread computes at once.
 const LEAST_AREAS: usize = 1 << 12;
@@ -113,7 +113,8 @@ pub(super) fn gather(
     }
     let points = POINTS * (FULL_CAMERAS / cameras as f64).min(1.0);
     let per_point = if sampled > 0.0 { sampled / points } else { 1.0 };
-    let lit = (LIT / scene.lights.len() as f64).clamp(LEAST_LIT, MOST_LIT);
+    let shapes = scene.lights.iter().map(|light| light.shapes.len()).sum::<usize>();
+    let lit = (LIT / shapes as f64).clamp(LEAST_LIT, MOST_LIT);
     let mut so_far = 0.0;
     let mut gathered: Vec<Gathered> = materials.iter().map(|_| Gathered::default()).collect();
     for Part { mesh, pose, primitive, place, slot, material, worlds } in parts() {
@@ -248,9 +249,16 @@ impl Instance<'_> {
             let [u, v, w, x] = recurrence4(number, [0.0; 4]);
             let weights = weights(u, v);
             let (position, [tangent, _, normal]) = self.geometry.point(triangle, weights, self.world);
-            let seen: Vec<DVec3> = self.cameras.iter().filter_map(|camera| camera.view(position)).collect();
-            let side =
-                if self.material.double_sided && seen.iter().any(|wo| wo.dot(normal) < 0.0) { -1.0 } else { 1.0 };
+            // Cameras behind a surface of one side do not see it.
+            let views = self.cameras.iter().filter_map(|camera| camera.view(position));
+            let seen: Vec<DVec3> = views.filter(|wo| self.material.double_sided || wo.dot(normal) > 0.0).collect();
+            let wo = seen.get(number % seen.len().max(1));
+            let is_behind = match wo {
+                Some(wo) => wo.dot(normal) < 0.0,
+                // Both sides are seen from everywhere.
+                None => self.material.double_sided && number % 2 == 1,
+            };
+            let side = if is_behind { -1.0 } else { 1.0 };
             let normal = side * normal;
             let (part, lobes) = self.material.lobes(&|set| self.geometry.uv(triangle, weights, set));
             for lobe in lobes.iter().filter(|lobe| lobe.weight > 0.0) {
@@ -260,14 +268,14 @@ impl Instance<'_> {
                 let (theta, phi) = if self.cameras.is_empty() {
                     (w * STEEPEST, x * TAU)
                 } else {
-                    let Some(wo) = seen.get(number % seen.len().max(1)) else { continue };
+                    let Some(wo) = wo else { continue };
                     let [x, y, z] = frame.map(|axis| wo.dot(axis));
                     (atan2((x * x + y * y).sqrt(), z), atan2(y, x))
                 };
                 if theta > STEEPEST {
                     continue;
                 }
-                let seen_from = |(i, light): (usize, &SceneLight)| Some((i, light.light.seen_from(position, frame)?));
+                let lights = lights.iter().enumerate();
                 // The formula of a base lobe includes its strength.
                 let strength = if lobe.kind == LobeKind::Base { 1.0 } else { lobe.weight };
                 found.push(ScenePoint {
@@ -275,7 +283,7 @@ impl Instance<'_> {
                     weight: area / expected * part * strength,
                     at: Configuration { alpha_x: lobe.alpha, alpha_y: lobe.alpha * lobe.ratio, theta, phi },
                     fresnel: lobe.formula,
-                    lights: lights.iter().enumerate().filter_map(seen_from).collect(),
+                    lights: lights.flat_map(|(index, light)| light.seen_from(index, position, frame)).collect(),
                 });
             }
         }

@@ -1,6 +1,6 @@
 //! Scenes that are too large, leave their folder or are invalid.
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::{
     super::*,
@@ -168,6 +168,119 @@ fn a_scene_without_a_lobe_is_refused() {
     for bytes in [&b"{}"[..], b"[]", b"", b"null", b"{\"nodes\": 3}"] {
         assert!(Scene::from_bytes(bytes.to_vec(), &|| true).is_err());
     }
+}
+
+/// Sizes, modes and bytes of compressed views that are wrong.
+#[test]
+fn compressed_views_that_are_invalid_are_faults() {
+    let compressed = |field: &str, value: Value| {
+        let mut glb = plain();
+        let mut extension = json!({ "buffer": 0, "byteLength": 40, "byteStride": 4, "count": 4, "mode": "ATTRIBUTES" });
+        extension[field] = value;
+        glb.json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"] = extension;
+        glb
+    };
+    for (field, value) in [
+        ("byteStride", json!(0)),
+        ("byteStride", json!(u64::MAX)),
+        ("count", json!(u64::MAX)),
+        ("count", json!(1_u64 << 40)),
+        ("mode", json!("OTHER")),
+        ("filter", json!("OTHER")),
+        ("byteLength", json!(u64::MAX)),
+        ("byteOffset", json!(u64::MAX)),
+        ("buffer", json!(9)),
+        // The bytes of the buffer are not compressed.
+        ("count", json!(4)),
+    ] {
+        let glb = compressed(field, value.clone());
+        match Scene::from_bytes(glb.bytes(), &|| true) {
+            Ok(scene) => assert!(scene.notes.iter().any(|note| note.contains("meshopt")), "{field} {value}: {scene:?}"),
+            Err(error) => assert!(error.to_string().contains("/bufferViews/0"), "{field} {value}: {error}"),
+        }
+    }
+}
+
+/// A floor with a lamp of two triangles, which is `changed`.
+fn lamp(changed: impl Fn(&mut Glb, usize)) -> Glb {
+    let mut glb = plain();
+    let material = glb.material(json!({ "name": "glow", "emissiveFactor": [1, 1, 1], "doubleSided": true }));
+    let mesh = glb.quad(Some(material));
+    glb.json["meshes"][mesh]["name"] = json!("lamp");
+    glb.node(json!({ "mesh": mesh, "translation": [0, 0, 1] }));
+    changed(&mut glb, mesh);
+    glb
+}
+
+/// Every light that is not read is named, and a lamp of two triangles is one light.
+#[test]
+fn lights_that_are_not_read_are_named() {
+    let read = |glb: &Glb| Scene::from_bytes(glb.bytes(), &|| true).expect("a scene");
+    let scene = read(&lamp(|_, _| ()));
+    assert_eq!((scene.lights.len(), scene.lights[0].shapes.len()), (1, 2));
+    assert!(scene.points.iter().any(|point| point.lights.len() == 2), "{:?}", scene.points.len());
+    let bright = json!({ "KHR_materials_emissive_strength": { "emissiveStrength": 1e12 } });
+    let noted = |glb: Glb, why: &str| {
+        let scene = read(&glb);
+        assert!(scene.lights.is_empty(), "{:?}", scene.lights);
+        assert!(scene.notes.iter().any(|note| note.contains("lamp") && note.contains(why)), "{why}: {:?}", scene.notes);
+    };
+    noted(lamp(|glb, _| glb.json["materials"][0]["extensions"] = bright.clone()), "its emission is above 1e9");
+    noted(lamp(|glb, _| glb.json["materials"][0]["emissiveTexture"] = json!({ "index": 0 })), "has a texture");
+    noted(lamp(|glb, _| glb.json["nodes"][1]["translation"] = json!([0, 0, 1e200])), "too far away");
+    noted(lamp(|glb, _| glb.json["nodes"][1]["scale"] = json!([0, 0, 0])), "empty");
+    let without_numbers = lamp(|glb, mesh| {
+        let index = glb.json["meshes"][mesh]["primitives"][0]["attributes"]["POSITION"].as_u64().expect("an index");
+        glb.json["accessors"][index as usize].as_object_mut().expect("an object").remove("bufferView");
+    });
+    noted(without_numbers, "has no numbers");
+    let negative = lamp(|glb, _| glb.json["materials"][0]["emissiveFactor"] = json!([-1, 0, 0]));
+    assert!(refused(&negative).contains("/materials/0/emissiveFactor: -1"));
+}
+
+#[test]
+fn area_lights_of_any_numbers_are_read_or_named() {
+    let with = |light: Value, node: Value| {
+        let mut glb = plain();
+        glb.json["extensions"]["EXT_lights_area"]["lights"] = json!([light]);
+        let mut node = node;
+        node["extensions"]["EXT_lights_area"] = json!({ "light": 0 });
+        glb.node(node);
+        Scene::from_bytes(glb.bytes(), &|| true)
+    };
+    let above = json!({ "translation": [0, 0, 1] });
+    for (field, value) in
+        [("size", json!(-1)), ("size", json!(1e300)), ("intensity", json!(-1)), ("color", json!([0, -1, 0]))]
+    {
+        let mut light = json!({ "type": "rect" });
+        light[field] = value;
+        let error = with(light, above.clone()).expect_err("a fault").to_string();
+        assert!(error.contains(&format!("/lights/0/{field}")), "{error}");
+    }
+    let notes = |light: Value, node: Value| with(light, node).expect("a scene").notes.join("; ");
+    assert!(notes(json!({ "type": "tube" }), above.clone()).contains("type tube is not read"));
+    assert!(notes(json!({ "type": "disk" }), json!({ "scale": [1e200, 1e200, 1e200] })).contains("above 1e9"));
+    // Lights that touch the surface, have no area or shine away reach nothing.
+    for node in [json!({}), json!({ "scale": [0, 0, 0] }), json!({ "translation": [0, 0, -1] })] {
+        for kind in ["rect", "disk"] {
+            let scene = with(json!({ "type": kind, "size": 1e-9 }), node.clone()).expect("a scene");
+            let needs = crate::Needs::of(&scene, false).expect("lobes");
+            let probes = crate::probes::Probes::new(&needs, 8);
+            assert!(probes.are_lit() && !probes.reaches(0), "{node} {kind}");
+        }
+    }
+    // Only the brightest of many lights are read.
+    let mut glb = plain();
+    glb.json["extensions"]["EXT_lights_area"]["lights"] = json!([{ "type": "rect" }]);
+    for _ in 0..1000 {
+        glb.node(json!({ "translation": [0, 0, 1], "extensions": { "EXT_lights_area": { "light": 0 } } }));
+    }
+    let scene = Scene::from_bytes(glb.bytes(), &|| true).expect("a scene");
+    assert!(scene.lights.len() == 64 && scene.notes[0].contains("lights that are ignored: 936"), "{:?}", scene.notes);
+    for _ in 0..4000 {
+        glb.node(json!({ "extensions": { "EXT_lights_area": { "light": 0 } } }));
+    }
+    assert!(refused(&glb).contains("nodes with lights: 5000; at most 4096"));
 }
 
 /// The caller is asked before each image and mesh, and every thousand points.
