@@ -153,10 +153,10 @@ fn errors_of_a_list_under_its_lights_are_as_predicted() {
     let mut own = window(1.0, 1.0, 0.0);
     own.shapes[0].points = numbers.chunks_exact(3).map(DVec3::from_slice).collect();
     for light in [own, window(1.0, 1.0, 0.0), window(3.0, 0.3, 1.0)] {
-        for budget in [Budget::Knee, Budget::Bytes(1000), Budget::Bytes(4000)] {
-            let list = listed(include_str!("../../docs/plan/round.json"));
-            let scene = Scene { lights: vec![light.clone()], ..list };
-            let mut plan = planned(&scene, budget);
+        let scene = Scene { lights: vec![light], ..listed(include_str!("../../docs/plan/round.json")) };
+        let plan = planned(&scene, Budget::Knee);
+        for budget in [Budget::Knee, Budget::Bytes(1000)] {
+            let mut plan = plan.within(budget, GpuLimit::default());
             plan.measure(&fitted(&plan.chosen.recipe), None);
             let first = &plan.fitted[0];
             println!("{budget:?} {first:?} {}", first.off_by());
