@@ -320,12 +320,8 @@ fn check(
         let (name, error) = (figure.name(scene), figure.error);
         let word = if error > most { "above" } else { "the largest, within the limit" };
         let of = if scene.lights.is_empty() { "the lobe's width" } else { "the light" };
-        let helps: String = figure
-            .helps
-            .iter()
-            .filter(|_| error > most)
-            .flat_map(|help| ["; better: ".to_owned(), help.in_words()])
-            .collect();
+        let helps: String =
+            figure.helps.iter().filter(|_| error > most).flat_map(|help| ["; better: ", help.in_words()]).collect();
         format!("{name}: error {error:.4} of {of}, {word} {most:.4}{helps}")
     };
     let mut lines: Vec<String> = figures.iter().take(above.max(1)).map(line).collect();
