@@ -46,13 +46,13 @@ pub struct ExportChoice {
     /// Engine to write files for
     #[arg(long = "for", value_name = "ENGINE", value_parser = engines(), requires = "out")]
     pub engine: Option<String>,
-    /// Texture layout, with --container
+    /// Texture layout, with --container; not for lookup tables
     #[arg(long, value_name = "NAME", requires = "container", conflicts_with = "engine")]
     pub layout: Option<String>,
-    /// File format; `compact` formats take a few kilobytes
+    /// File format; `png` is for lookup tables, `compact` for LTC tables
     #[arg(long, value_name = "NAME", value_parser = containers(), requires = "out", conflicts_with = "engine")]
     pub container: Option<String>,
-    /// Number format with --layout, or half with --for wgpu [default: float]
+    /// Number format of textures, or half with --for wgpu [default: float]
     #[arg(long, value_parser = precisions())]
     pub precision: Option<Precision>,
 }

@@ -98,14 +98,13 @@ pub(super) fn report(
 }
 
 fn text(path: &Path, recipe: &LutRecipe, report: &LutReport) -> String {
-    let size = recipe.resolution;
     let mut out = format!(
-        "{}\ntable {} of {}, {} x {} texels (roughness x cos theta)\n\nerror after linear filtering at {} places:\n",
+        "{}\ntable {} of {}, {} texels: {}\n\nerror after linear filtering at {} places:\n",
         path.display(),
         recipe.table,
         recipe.brdf,
-        size.roughness,
-        size.cos_theta,
+        recipe.resolution,
+        recipe.axis_names().join(" x "),
         report.places
     );
     // Writing to a String cannot fail.
@@ -114,6 +113,7 @@ fn text(path: &Path, recipe: &LutRecipe, report: &LutReport) -> String {
     for (format, error) in &report.formats {
         let _ = writeln!(out, "as {format:<20} {}", figures(error));
     }
+    let _ = writeln!(out, "\npicture: ltcforge plot {} error -o lut.png", path.display());
     out
 }
 

@@ -12,7 +12,7 @@ use super::{
 use ltcforge_files::{container::LutFile, digest::Digest, recipe_document};
 use ltcforge_fit::{
     Precision,
-    albedo::{Lut, LutAxes, LutKind, LutPlan, LutPrecision, LutRecipe, MeasuredLut, Texels, fit_lut},
+    albedo::{Lut, LutKind, LutPlan, LutPrecision, LutRecipe, MeasuredLut, Texels, fit_lut},
 };
 
 /// A set of files that can be made from a lookup table: an engine, `png`, or a container and a precision with a dot
@@ -43,6 +43,12 @@ pub enum LutExportError {
     Engine {
         /// The engine.
         engine: LutEngine,
+        /// The kind of the table.
+        table: LutKind,
+    },
+    /// The table has more than two axes.
+    #[error("a picture has two axes, and table {table} has more; other formats: {}", listed(TextureContainer::ALL))]
+    Picture {
         /// The kind of the table.
         table: LutKind,
     },
@@ -131,6 +137,7 @@ impl LutExport {
     pub fn recipe(self, recipe: &LutRecipe) -> Result<LutRecipe, LutExportError> {
         match self {
             Self::Engine(engine) => engine.recipe(recipe).ok_or(LutExportError::Engine { engine, table: recipe.table }),
+            Self::Png if recipe.table.axes().len() > 2 => Err(LutExportError::Picture { table: recipe.table }),
             Self::Png | Self::Textures { .. } => Ok(*recipe),
         }
     }
@@ -143,11 +150,10 @@ impl LutExport {
     pub fn bundle(self, of: &LutFile, digest: Digest) -> Result<Bundle, LutExportError> {
         let recipe = self.recipe(&of.recipe)?;
         let lut = if recipe == of.recipe { of.lut.clone() } else { fitted(&recipe) };
-        let error = MeasuredLut::new(&recipe).report(&lut).stored;
-        let size = recipe.resolution;
+        let error = MeasuredLut::new(&recipe).error(&lut.texels);
         let error = format!(
-            "{} x {} texels; error after linear filtering: mean {:.5}, p95 {:.5}, max {:.5}",
-            size.roughness, size.cos_theta, error.mean, error.p95, error.max
+            "{} texels; error after linear filtering: mean {:.5}, p95 {:.5}, max {:.5}",
+            recipe.resolution, error.mean, error.p95, error.max
         );
         let about = About::of_lut(digest, recipe_document::canonical_json(&of.recipe), error);
         let (key, bundle) = match self {
@@ -166,7 +172,7 @@ fn fitted(recipe: &LutRecipe) -> Lut {
     fit_lut(&LutPlan::new(recipe), &|_| Continue(())).unwrap_or(Lut { texels: vec![], average: None })
 }
 
-/// Textures in any format: the cosine along x, roughness along y, smooth surfaces first.
+/// Textures in any format: the last axis along x, the axis before along y, smooth surfaces first.
 fn plain(
     container: TextureContainer,
     precision: Precision,
@@ -178,7 +184,7 @@ fn plain(
     let mut files = container.files(name, &[texture(name, recipe, lut)?], precision, about)?;
     if let Some(average) = &lut.average {
         // Halves near one are too coarse for the average.
-        let size = [recipe.resolution.roughness, 1];
+        let size = [recipe.resolution.texels()[0], 1];
         let average = Texture::flat("average", size, &["average"], average.clone()).map_err(TextureFileError::from)?;
         files.extend(container.files("average", &[average], Precision::F32, about)?);
     }
@@ -196,7 +202,7 @@ fn pictures(recipe: &LutRecipe, lut: &Lut) -> Bundle {
         _ => rgb.iter().flat_map(|x| ((x.clamp(0.0, 1.0) * 65_535.0).round() as u16).to_be_bytes()).collect(),
     };
     let depth = if recipe.precision == LutPrecision::Rgba8 { png::BitDepth::Eight } else { png::BitDepth::Sixteen };
-    let size = [recipe.resolution.cos_theta, recipe.resolution.roughness];
+    let size = flat(recipe);
     let mut files = vec![unrounded(&format!("{name}.png"), engines::png(size, png::ColorType::Rgb, depth, &bytes))];
     if let Some(average) = &lut.average {
         files.push(unrounded("average.bin", average.iter().flat_map(|x| x.to_le_bytes()).collect()));
@@ -212,9 +218,18 @@ fn unrounded(path: &str, bytes: Vec<u8>) -> super::TextureFile {
 
 /// How to sample a table with its own parameters.
 fn sampling(recipe: &LutRecipe) -> [String; 2] {
-    let LutAxes { roughness, cos_theta, texels } = recipe.axes;
-    let axes = format!("The axis x is the view ({cos_theta}), y is roughness ({roughness}), from 0 up.");
-    let texels = match texels {
+    let names = recipe.axis_names();
+    let axes = match names.as_slice() {
+        [alpha, ratio, theta, phi] => {
+            let rows = format!("y is the texel of {ratio} times the texels of theta, plus that of {theta}");
+            format!("The axis x is {phi}, {rows}, z is {alpha}. Read two ratios and blend them.")
+        }
+        _ => {
+            let axes = names.iter().rev().zip(["x", "y", "z"]).map(|(name, axis)| format!("{axis} is {name}"));
+            format!("Axes, from 0 up: {}.", axes.collect::<Vec<_>>().join(", "))
+        }
+    };
+    let texels = match recipe.texels() {
         Texels::Centres => "Sample at the parameters themselves, with linear filtering and clamped edges.".to_owned(),
         Texels::Corners => {
             "Sample at (parameter * (n - 1) + 0.5) / n for n texels, with linear filtering and clamped edges."
@@ -224,9 +239,19 @@ fn sampling(recipe: &LutRecipe) -> [String; 2] {
     [axes, texels]
 }
 
+/// The width and height of a table of two axes.
+fn flat(recipe: &LutRecipe) -> [u32; 2] {
+    let texels = recipe.resolution.texels();
+    [texels[1], texels[0]]
+}
+
 fn texture(name: &str, recipe: &LutRecipe, lut: &Lut) -> Result<Texture, LutExportError> {
-    let size = [recipe.resolution.cos_theta, recipe.resolution.roughness];
-    Ok(Texture::flat(name, size, recipe.channels(), lut.texels.clone()).map_err(TextureFileError::from)?)
+    let size = match *recipe.resolution.texels() {
+        [alpha, ratio, theta, phi] => [phi, ratio * theta, alpha],
+        [ior, roughness, cosine] => [cosine, roughness, ior],
+        _ => [flat(recipe)[0], flat(recipe)[1], 1],
+    };
+    Ok(Texture::new(name, size, 1, recipe.channels(), lut.texels.clone()).map_err(TextureFileError::from)?)
 }
 
 fn one(texture: &Texture, precision: Precision) -> Result<Stored<'_>, LutExportError> {

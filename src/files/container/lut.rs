@@ -2,7 +2,7 @@
 //!
 //! | tensor | type | shape |
 //! |---|---|---|
-//! | `texels` | f32, f16, u16 or u8, by the recipe's precision | roughness, cos_theta, channels |
+//! | `texels` | f32, f16, u16 or u8, by the recipe's precision | the table's axes, channels |
 //! | `average` (table `albedo`) | f32 | roughness |
 
 use safetensors::{Dtype, SafeTensors, serialize};
@@ -61,8 +61,9 @@ pub fn encode_lut(recipe: &LutRecipe, lut: &Lut) -> Result<Vec<u8>, TableFileErr
         .map_err(|error| TableFileError::Container(error.to_string()))
 }
 
-fn shape(recipe: &LutRecipe) -> [usize; 3] {
-    [recipe.resolution.roughness as usize, recipe.resolution.cos_theta as usize, recipe.channels().len()]
+fn shape(recipe: &LutRecipe) -> Vec<usize> {
+    let axes = recipe.resolution.texels().iter().map(|n| *n as usize);
+    axes.chain([recipe.channels().len()]).collect()
 }
 
 /// The tensor of a table's texels. Integers are steps from 0 to 1.
@@ -74,11 +75,11 @@ fn texels(recipe: &LutRecipe, texels: &[f32]) -> Tensor {
         LutPrecision::F16 => tensor(Precision::F16, &shape, texels),
         LutPrecision::Unorm16 => {
             let bytes = texels.iter().flat_map(|x| integer(*x).to_le_bytes()).collect();
-            Tensor { dtype: Dtype::U16, shape: shape.to_vec(), bytes }
+            Tensor { dtype: Dtype::U16, shape, bytes }
         }
         LutPrecision::Rgba8 => {
             let bytes = texels.iter().map(|x| integer(*x) as u8).collect();
-            Tensor { dtype: Dtype::U8, shape: shape.to_vec(), bytes }
+            Tensor { dtype: Dtype::U8, shape, bytes }
         }
     }
 }
@@ -135,10 +136,13 @@ mod tests {
 
     #[test]
     fn lookup_tables_round_trip_and_damaged_files_are_refused() {
-        for precision in ["f32", "f16", "unorm16", "rgba8"] {
-            let document = format!(
-                r#"{{"table": "albedo", "resolution": {{"roughness": 3, "cos_theta": 2}}, "precision": "{precision}"}}"#
-            );
+        for (kind, axes, precision) in [
+            ("albedo", "{\"roughness\": 3, \"cos_theta\": 2}", "f32"),
+            ("albedo", "{\"roughness\": 3, \"cos_theta\": 2}", "f16"),
+            ("transmission", "{\"ior\": 2, \"roughness\": 3, \"cos_theta\": 2}", "unorm16"),
+            ("anisotropic_dfg", "{\"alpha\": 2, \"ratio\": 3, \"theta\": 2, \"phi\": 2}", "rgba8"),
+        ] {
+            let document = format!(r#"{{"table": "{kind}", "resolution": {axes}, "precision": "{precision}"}}"#);
             let Ok(AnyRecipe::Lut(recipe)) = recipe(&document) else { panic!("a recipe of a lookup table") };
             let lut = fit_lut(&LutPlan::new(&recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it");
             let bytes = encode_lut(&recipe, &lut).expect("a file");
@@ -157,12 +161,25 @@ mod tests {
     fn faults_name_the_field_and_the_allowed_values() {
         let message = |document: &str| recipe(document).expect_err("a fault").to_string();
         for (document, parts) in [
-            (r#"{"table": "brdf"}"#, ["/table", "\"ltc\", \"dfg\", \"albedo\", \"sheen\", \"diffuse\""]),
+            (
+                r#"{"table": "brdf"}"#,
+                [
+                    "/table",
+                    "\"ltc\", \"dfg\", \"albedo\", \"sheen\", \"diffuse\", \"transmission\", \"anisotropic_dfg\"",
+                ],
+            ),
             (r#"{"table": "sheen", "brdf": "ggx"}"#, ["/brdf", "\"charlie\", \"charlie_neubelt\", \"fuzz\""]),
             (r#"{"table": "albedo", "form": "karis"}"#, ["/form", "no forms"]),
             (r#"{"table": "dfg", "form": "hill"}"#, ["/form", "\"karis\", \"filament\", \"f82\""]),
             (r#"{"preset": "dfg", "resolution": {"roughness": 1}}"#, ["/resolution/roughness", "2 to 1024"]),
             (r#"{"table": "dfg", "layout": "ltc2017"}"#, ["/layout", "unknown field"]),
+            (r#"{"table": "dfg", "resolution": {"cos_theta": 1e9}}"#, ["/resolution/cos_theta", "2 to 1024"]),
+            (r#"{"table": "dfg", "resolution": {"ior": 4}}"#, ["/resolution/ior", "unknown field"]),
+            (r#"{"table": "transmission", "resolution": {"ior": 65}}"#, ["/resolution/ior", "2 to 64"]),
+            (r#"{"table": "transmission", "form": "karis"}"#, ["/form", "no forms"]),
+            (r#"{"table": "anisotropic_dfg", "resolution": {"phi": 17}}"#, ["/resolution/phi", "2 to 16"]),
+            (r#"{"table": "anisotropic_dfg", "axes": {}}"#, ["/axes", "leave this field out"]),
+            (r#"{"table": ["dfg"]}"#, ["/table", "is not one of"]),
         ] {
             let message = message(document);
             assert!(parts.iter().all(|part| message.contains(part)), "{document}: {message}");

@@ -17,8 +17,19 @@ use ltcforge_fit::{
 const FIELDS: [&str; 8] = ["preset", "fitter", "table", "brdf", "form", "resolution", "axes", "precision"];
 /// The name of tables of linearly transformed cosines, the default.
 const LTC: &str = "ltc";
-/// The largest number of texels on an axis.
-const MOST_TEXELS: u32 = 1024;
+/// The largest number of texels on an axis, for tables of two, three and four axes.
+const MOST_TEXELS: [u32; 3] = [1024, 64, 16];
+
+/// The number of texels on an axis if the recipe has none.
+fn default_texels(table: LutKind, axis: &str) -> u32 {
+    match (table, axis) {
+        (LutKind::Albedo, _) => 64,
+        (LutKind::Transmission, _) | (LutKind::AnisotropicDfg, "theta") => 16,
+        (LutKind::AnisotropicDfg, "alpha") => 12,
+        (LutKind::AnisotropicDfg, _) => 8,
+        _ => 32,
+    }
+}
 
 /// The kind of lookup table that a document asks for, by its field `table` or by a preset with the name of a table.
 /// `None` for other documents.
@@ -49,34 +60,17 @@ pub(super) fn read(
     let brdfs: Vec<(&str, BrdfKind)> = kind.brdfs().iter().map(|brdf| (brdf.name(), *brdf)).collect();
     let brdf = root.choice("brdf", &brdfs, brdfs[0].1, &mut faults);
     let mut form = None;
-    if kind == LutKind::Dfg {
+    if kind.has_forms() {
         form = Some(root.choice("form", &named(DfgForm::ALL, DfgForm::name), DfgForm::ALL[0], &mut faults));
     } else if let Some(value) = root.get("form") {
         let detail = format!("table \"{kind}\" has no forms, got {}: leave this field out", echo(value));
         faults.note("/form", detail);
     }
-    let default = if kind == LutKind::Albedo { 64 } else { 32 };
-    let size = root.object("resolution", &["roughness", "cos_theta"], &mut faults);
-    let resolution = LutResolution {
-        roughness: size.integer32("roughness", 2, MOST_TEXELS, default, &mut faults),
-        cos_theta: size.integer32("cos_theta", 2, MOST_TEXELS, default, &mut faults),
-    };
-    let object = root.object("axes", &["roughness", "cos_theta", "texels"], &mut faults);
-    let axes = LutAxes {
-        roughness: object.choice(
-            "roughness",
-            &named(RoughnessAxis::ALL, RoughnessAxis::name),
-            RoughnessAxis::ALL[0],
-            &mut faults,
-        ),
-        cos_theta: object.choice(
-            "cos_theta",
-            &named(CosineAxis::ALL, CosineAxis::name),
-            CosineAxis::ALL[0],
-            &mut faults,
-        ),
-        texels: object.choice("texels", &named(Texels::ALL, Texels::name), Texels::ALL[0], &mut faults),
-    };
+    let size = root.object("resolution", kind.axes(), &mut faults);
+    let most = MOST_TEXELS[kind.axes().len() - 2];
+    let resolution =
+        LutResolution::new(kind, |axis| size.integer32(axis, 2, most, default_texels(kind, axis), &mut faults));
+    let axes = read_axes(&root, kind, &mut faults);
     let precision =
         root.choice("precision", &named(LutPrecision::ALL, LutPrecision::name), LutPrecision::ALL[0], &mut faults);
     let fitter = read_fitter(&root, fitters, &mut faults);
@@ -86,4 +80,26 @@ pub(super) fn read(
         faults.note("/resolution", detail);
     }
     if faults.0.is_empty() { Ok(recipe) } else { Err(faults.0) }
+}
+
+/// The parameters of the texels; `None` for tables with those of layout `reflected`.
+fn read_axes(root: &Object<'_>, kind: LutKind, faults: &mut Faults) -> Option<LutAxes> {
+    if kind == LutKind::AnisotropicDfg {
+        if root.get("axes").is_some() {
+            faults
+                .note("/axes", format!("table \"{kind}\" has the axes of layout \"reflected\": leave this field out"));
+        }
+        return None;
+    }
+    let object = root.object("axes", &["roughness", "cos_theta", "texels"], faults);
+    Some(LutAxes {
+        roughness: object.choice(
+            "roughness",
+            &named(RoughnessAxis::ALL, RoughnessAxis::name),
+            RoughnessAxis::ALL[0],
+            faults,
+        ),
+        cos_theta: object.choice("cos_theta", &named(CosineAxis::ALL, CosineAxis::name), CosineAxis::ALL[0], faults),
+        texels: object.choice("texels", &named(Texels::ALL, Texels::name), Texels::ALL[0], faults),
+    })
 }

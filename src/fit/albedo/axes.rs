@@ -2,17 +2,21 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{math::cbrt, named_list};
+use super::recipe::LutRecipe;
+use crate::{layout::Spacing, math::cbrt, named_list};
 
 /// The smallest alpha of a value. Smoother surfaces have the value of this alpha.
 pub(super) const LEAST_ALPHA: f64 = 1e-4;
 /// The smallest cosine of a value. Lower views have the value of this cosine.
-const LEAST_COSINE: f64 = 1e-3;
+pub(super) const LEAST_COSINE: f64 = 1e-3;
 
 /// The smallest cosine of the domain in which errors are stated.
-const DOMAIN_COSINE: f64 = 0.01;
+pub(super) const DOMAIN_COSINE: f64 = 0.01;
 /// Cells have more places in the first of this many parts of an axis, if they have more than [`FEWEST`].
 const DENSE: usize = 4;
+/// The position of places of a report in their intervals, `2 - (1 + sqrt 5) / 2`. It is irrational, so they are not the
+/// places of a fit.
+const OFFSET: f64 = 0.381_966_011_250_105;
 /// The smallest number of places in a cell.
 pub(super) const FEWEST: usize = 2;
 
@@ -135,39 +139,56 @@ pub(super) enum Parameter {
     /// Roughness, with the smallest alpha of the domain in which errors are stated.
     Roughness(RoughnessAxis, f64),
     Cosine(CosineAxis),
+    /// The index of refraction `n` from 1 to 3, by the cube root of `2 (n - 1) / (n + 1)`, because the albedo for low views
+    /// is steep near an index of one.
+    Index,
+    /// An axis of layout `reflected`, with the value at parameter 1 relative to that of the spacing, and the domain.
+    Spaced(Spacing, f64, [f64; 2]),
 }
 
 impl Parameter {
-    /// Alpha, or the cosine.
+    /// Alpha, the cosine, the index, or the value of layout `reflected`.
     pub(super) fn value(self, x: f64) -> f64 {
         match self {
             Self::Roughness(axis, _) => axis.alpha(x),
             Self::Cosine(axis) => axis.cosine(x),
+            Self::Index => (2.0 + x * x * x) / (2.0 - x * x * x),
+            Self::Spaced(spacing, whole, _) => spacing.value(x) * whole,
+        }
+    }
+
+    /// The parameter of a value.
+    pub(super) fn of(self, value: f64) -> f64 {
+        match self {
+            Self::Roughness(axis, _) => axis.of_alpha(value),
+            Self::Cosine(axis) => axis.of_cosine(value),
+            Self::Index => cbrt(2.0 * (value - 1.0) / (value + 1.0)),
+            Self::Spaced(spacing, whole, _) => spacing.invert(value / whole),
         }
     }
 
     /// The ends of the domain in which errors are stated. Cosines are from .01.
     pub(super) fn domain(self) -> [f64; 2] {
         let ends = match self {
-            Self::Roughness(axis, least) => [least, 1.0].map(|alpha| axis.of_alpha(alpha)),
-            Self::Cosine(axis) => [DOMAIN_COSINE, 1.0].map(|cosine| axis.of_cosine(cosine)),
+            Self::Roughness(_, least) => [least, 1.0],
+            Self::Cosine(_) => [DOMAIN_COSINE, 1.0],
+            Self::Index => [1.0, 3.0],
+            Self::Spaced(_, _, domain) => domain,
         };
+        let ends = ends.map(|end| self.of(end));
         [ends[0].min(ends[1]), ends[0].max(ends[1])]
     }
 
-    /// Evenly spaced parameters over the domain, about `count`, with its ends. They include the texels and the middles
-    /// between texels, where errors of a linear filter are largest.
-    pub(super) fn even(self, filter: Texels, texels: usize, count: usize) -> Vec<f64> {
-        let cells = if filter == Texels::Corners { texels - 1 } else { texels };
-        let steps = cells * 2 * (count / (2 * cells)).max(1);
+    /// `count` evenly spaced parameters within the domain, and its ends. None except the ends is a place of a fit.
+    pub(super) fn even(self, count: usize) -> Vec<f64> {
         let [from, to] = self.domain();
-        let inner = (0..=steps).map(|i| i as f64 / steps as f64).filter(|x| *x > from && *x < to);
+        let inner = (0..count).map(|i| from + (to - from) * (i as f64 + OFFSET) / count as f64);
         [from].into_iter().chain(inner).chain([to]).collect()
     }
 
     /// The parameters at which values are computed for a fit, in rising order: `per_texel` in each cell between texels,
-    /// twice as many near smooth surfaces and low views, with all texels. The nearest two are moved onto the ends of the
-    /// domain.
+    /// twice as many near smooth surfaces and low views, with all texels; for one in each cell, three in two cells. The
+    /// nearest two are moved onto the ends of the domain.
     pub(super) fn places(self, filter: Texels, texels: usize, per_texel: usize) -> Vec<f64> {
         let is_falling = self.value(0.0) > self.value(1.0);
         let cells = if filter == Texels::Corners { texels - 1 } else { texels };
@@ -177,7 +198,12 @@ impl Parameter {
             let steps = if is_dense { 2 * per_texel } else { per_texel };
             (0..steps).map(move |i| (cell as f64 + i as f64 / steps as f64) / cells as f64)
         };
-        let mut places: Vec<f64> = (0..cells).flat_map(within).chain([1.0]).collect();
+        let mut places: Vec<f64> = if per_texel < FEWEST {
+            let steps = (cells * 3).div_ceil(2);
+            (0..=steps).map(|i| i as f64 / steps as f64).collect()
+        } else {
+            (0..cells).flat_map(within).chain([1.0]).collect()
+        };
         for end in self.domain() {
             let after = places.partition_point(|x| *x < end).clamp(1, places.len() - 1);
             let nearest = if end - places[after - 1] < places[after] - end { after - 1 } else { after };
@@ -208,8 +234,14 @@ pub(super) struct Axis {
 }
 
 impl Axis {
+    /// The axes of a recipe, with places at `parameters`.
+    pub(super) fn all(recipe: &LutRecipe, parameters: &[Vec<f64>]) -> Vec<Self> {
+        let axes = recipe.grid().into_iter().zip(parameters);
+        axes.map(|((parameter, texels), places)| Self::new(parameter, recipe.texels(), texels, places)).collect()
+    }
+
     /// The axis with places at `parameters`.
-    pub(super) fn new(parameter: Parameter, filter: Texels, texels: usize, parameters: &[f64]) -> Self {
+    fn new(parameter: Parameter, filter: Texels, texels: usize, parameters: &[f64]) -> Self {
         let [from, to] = parameter.domain();
         let last = parameters.len() - 1;
         let places = parameters.iter().enumerate().map(|(i, x)| {

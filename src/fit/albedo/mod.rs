@@ -1,12 +1,14 @@
-//! Lookup tables of directional albedo: split-sum (DFG), energy compensation, sheen, diffuse.
+//! Lookup tables of directional albedo: split-sum (DFG), energy compensation, sheen, diffuse, rough glass.
 //!
 //! `quadrature` computes values. `solve` finds the texels whose linear filter is nearest to the values. `report`
 //! measures a table at other places.
 //!
-//! Invariant: no random numbers. A shard is a row of texels.
+//! Invariant: no random numbers. A shard is the part of the table with one texel of the first axis.
 
+mod anisotropic;
 mod axes;
 mod ggx;
+mod glass;
 mod quadrature;
 mod recipe;
 mod report;

@@ -53,22 +53,29 @@ impl Rule {
     }
 }
 
-/// The number of nodes for each angle of the light, between two kinks.
-const NODES: usize = 40;
-static ANGLES: LazyLock<Rule> = LazyLock::new(|| Rule::new(NODES));
+/// The largest number of nodes for each angle of the light, between two kinks.
+pub(super) const MOST_NODES: usize = 40;
+static ANGLES: LazyLock<Vec<Rule>> = LazyLock::new(|| (0..=MOST_NODES).map(Rule::new).collect());
+
+/// The numbers of nodes for Charlie's distribution, which is narrow for smooth surfaces: polar angles, azimuths. At 150
+/// places from alpha .002 and cosine .001, values differ by less than 5e-6 from those with 80 nodes.
+pub(super) fn nodes_of_fibres(alpha: f64) -> [usize; 2] {
+    let narrow = 1.0 / alpha.max(0.0049).sqrt();
+    [20.0 + narrow, 8.0 + 2.2 * narrow].map(|n: f64| (n.ceil() as usize).min(MOST_NODES))
+}
 
 /// The directional albedo `int f(wo, wi) cos(theta_i) dwi` of an isotropic BRDF. Polar angle and azimuth of the light
-/// are split at the kinks of the BRDF, at the view and at the normal.
-pub(super) fn albedo(surface: &dyn Brdf, cos_theta_o: f64) -> f64 {
+/// are split at the kinks of the BRDF, at the view and at the normal, with a number of nodes for each.
+pub(super) fn albedo(surface: &dyn Brdf, cos_theta_o: f64, [polar, azimuths]: [usize; 2]) -> f64 {
     let wo = DVec3::new((1.0 - cos_theta_o * cos_theta_o).max(0.0).sqrt(), 0.0, cos_theta_o);
     let bends = surface.bends(wo);
     let theta_o = crate::math::atan2(wo.x, wo.z);
     let of_view = [theta_o].into_iter().filter(|theta| *theta > 1e-3 && *theta < FRAC_PI_2 - 1e-3);
     let thetas = sorted(bends.theta_i.iter().copied().chain(of_view), FRAC_PI_2);
     let phis = sorted(bends.phi.iter().copied(), PI);
-    let [sum] = over(&thetas, |theta| {
+    let [sum] = over(&thetas, &ANGLES[polar], |theta| {
         let (sin, cos) = sin_cos(theta);
-        let [around] = over(&phis, |phi| {
+        let [around] = over(&phis, &ANGLES[azimuths], |phi| {
             let (y, x) = sin_cos(phi);
             [surface.eval_cos(wo, DVec3::new(sin * x, sin * y, cos))]
         });
@@ -86,11 +93,11 @@ fn sorted(inner: impl Iterator<Item = f64>, to: f64) -> Vec<f64> {
 
 /// The integral over intervals. Each interval is mapped by a cubic that is flat at both ends, so mild singularities at
 /// the ends do no harm.
-fn over(ends: &[f64], mut f: impl FnMut(f64) -> [f64; 1]) -> [f64; 1] {
+fn over(ends: &[f64], rule: &Rule, mut f: impl FnMut(f64) -> [f64; 1]) -> [f64; 1] {
     let mut sum = 0.0;
     for pair in ends.windows(2) {
         let length = pair[1] - pair[0];
-        let [part] = ANGLES.integrate(0.0, 1.0, |u| {
+        let [part] = rule.integrate(0.0, 1.0, |u| {
             let x = u * u * (3.0 - 2.0 * u);
             [f(pair[0] + length * x)[0] * length * 6.0 * u * (1.0 - u)]
         });

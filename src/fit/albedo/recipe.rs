@@ -1,20 +1,27 @@
 //! Recipes of lookup tables.
 
-use serde::Serialize;
+use std::{f64::consts::FRAC_PI_2, fmt};
+
+use serde::{Serialize, Serializer};
 
 use super::{
-    axes::{LEAST_ALPHA, LutAxes, Parameter},
+    anisotropic::anisotropic,
+    axes::{DOMAIN_COSINE, LEAST_ALPHA, LEAST_COSINE, LutAxes, Parameter, Texels},
     ggx::ggx,
-    quadrature::albedo,
+    glass::glass,
+    quadrature::{MOST_NODES, albedo, nodes_of_fibres},
 };
 use crate::{
     brdf::BrdfKind,
-    math::{from_half_bits, half_bits_f64},
+    layout::{Layout, Spacing},
+    math::{atan2, direction, from_half_bits, half_bits_f64},
     named_list,
 };
 
 /// The smallest alpha of the domain in which errors are stated, except for tables of kind `albedo`.
 const DOMAIN_ALPHA: f64 = 0.002;
+/// The smallest ratio of a value. Narrower surfaces have the value of this ratio.
+const LEAST_RATIO: f64 = 0.01;
 
 named_list! {
     /// The values of a lookup table.
@@ -27,6 +34,10 @@ named_list! {
         Sheen = "sheen",
         /// The directional albedo of a diffuse reflection.
         Diffuse = "diffuse",
+        /// The reflected and the transmitted albedo of rough glass.
+        Transmission = "transmission",
+        /// The terms of `dfg` for anisotropic GGX.
+        AnisotropicDfg = "anisotropic_dfg",
     }
 }
 
@@ -47,21 +58,26 @@ impl LutKind {
     #[must_use]
     pub fn brdfs(self) -> &'static [BrdfKind] {
         match self {
-            Self::Dfg | Self::Albedo => &[BrdfKind::Ggx],
+            Self::Dfg | Self::Albedo | Self::Transmission | Self::AnisotropicDfg => &[BrdfKind::Ggx],
             Self::Sheen => &[BrdfKind::Charlie, BrdfKind::CharlieNeubelt, BrdfKind::Fuzz],
             Self::Diffuse => &[BrdfKind::BurleyDiffuse, BrdfKind::OrenNayar],
         }
     }
 
-    /// The names of the channels.
+    /// The names of the axes. The last axis is the fastest.
     #[must_use]
-    pub fn channels(self, form: Option<DfgForm>) -> &'static [&'static str] {
-        match (self, form) {
-            (Self::Dfg, Some(DfgForm::Filament)) => &["bias", "albedo"],
-            (Self::Dfg, Some(DfgForm::F82)) => &["scale", "bias", "metal_bias"],
-            (Self::Dfg, _) => &["scale", "bias"],
-            _ => &["albedo"],
+    pub fn axes(self) -> &'static [&'static str] {
+        match self {
+            Self::Transmission => &["ior", "roughness", "cos_theta"],
+            Self::AnisotropicDfg => &["alpha", "ratio", "theta", "phi"],
+            _ => &["roughness", "cos_theta"],
         }
+    }
+
+    /// Whether a table of this kind has a form.
+    #[must_use]
+    pub fn has_forms(self) -> bool {
+        matches!(self, Self::Dfg | Self::AnisotropicDfg)
     }
 }
 
@@ -101,13 +117,41 @@ impl LutPrecision {
     }
 }
 
-/// The number of texels on each axis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+/// The number of texels on each axis, in the order of [`LutKind::axes`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LutResolution {
-    /// Texels on the axis of roughness.
-    pub roughness: u32,
-    /// Texels on the axis of the view.
-    pub cos_theta: u32,
+    axes: &'static [&'static str],
+    texels: [u32; 4],
+}
+
+impl LutResolution {
+    /// The resolution of a table of a kind, with `texels` on each axis.
+    #[must_use]
+    pub fn new(table: LutKind, mut texels: impl FnMut(&'static str) -> u32) -> Self {
+        let mut of = [1; 4];
+        of.iter_mut().zip(table.axes()).for_each(|(of, axis)| *of = texels(axis));
+        Self { axes: table.axes(), texels: of }
+    }
+
+    /// The number of texels on each axis.
+    #[must_use]
+    pub fn texels(&self) -> &[u32] {
+        &self.texels[..self.axes.len()]
+    }
+}
+
+impl Serialize for LutResolution {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.axes.iter().zip(self.texels()))
+    }
+}
+
+/// `32 x 32`.
+impl fmt::Display for LutResolution {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let texels: Vec<String> = self.texels().iter().map(u32::to_string).collect();
+        f.write_str(&texels.join(" x "))
+    }
 }
 
 /// A complete recipe of a lookup table. Equal recipes give equal bytes.
@@ -119,13 +163,14 @@ pub struct LutRecipe {
     pub table: LutKind,
     /// Scattering model.
     pub brdf: BrdfKind,
-    /// The terms of a `dfg` table.
+    /// The terms of a `dfg` or `anisotropic_dfg` table.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub form: Option<DfgForm>,
     /// The number of texels.
     pub resolution: LutResolution,
-    /// The parameters of the texels.
-    pub axes: LutAxes,
+    /// The parameters of the texels. `None` for those of layout `reflected`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axes: Option<LutAxes>,
     /// Number format of the table.
     pub precision: LutPrecision,
 }
@@ -134,37 +179,106 @@ impl LutRecipe {
     /// Texels of the table.
     #[must_use]
     pub fn entries(&self) -> u64 {
-        u64::from(self.resolution.roughness) * u64::from(self.resolution.cos_theta)
+        self.resolution.texels().iter().map(|n| u64::from(*n)).product()
+    }
+
+    /// Where the parameters 0 and 1 are.
+    #[must_use]
+    pub fn texels(&self) -> Texels {
+        self.axes.map_or(Texels::Corners, |axes| axes.texels)
+    }
+
+    /// The names of the axes with their parameters, such as `cos_theta (cube_root)`. The last axis is the fastest.
+    #[must_use]
+    pub fn axis_names(&self) -> Vec<String> {
+        let axes = self.axes.unwrap_or_default();
+        let parameter = |name: &str| match (name, self.axes) {
+            ("ior", _) => "cube root of 2 (n - 1) / (n + 1)".to_owned(),
+            ("roughness", _) => axes.roughness.to_string(),
+            ("cos_theta", _) => axes.cos_theta.to_string(),
+            _ => format!("of layout {}", Layout::Reflected),
+        };
+        self.table.axes().iter().map(|name| format!("{name} ({})", parameter(name))).collect()
     }
 
     /// The parameter of each axis and its texels. The last axis is the fastest.
-    pub(super) fn grid(&self) -> [(Parameter, usize); 2] {
-        let LutResolution { roughness, cos_theta } = self.resolution;
+    pub(super) fn grid(&self) -> Vec<(Parameter, usize)> {
+        let axes = self.axes.unwrap_or_default();
         // A furnace needs the albedo of all surfaces.
         let least = if self.table == LutKind::Albedo { LEAST_ALPHA } else { DOMAIN_ALPHA };
-        [
-            (Parameter::Roughness(self.axes.roughness, least), roughness as usize),
-            (Parameter::Cosine(self.axes.cos_theta), cos_theta as usize),
-        ]
+        let lowest = atan2((1.0 - DOMAIN_COSINE * DOMAIN_COSINE).sqrt(), DOMAIN_COSINE);
+        let reflected = Layout::Reflected.rules().spacing();
+        let parameter = |name: &&str| match *name {
+            "ior" => Parameter::Index,
+            "roughness" => Parameter::Roughness(axes.roughness, least),
+            "cos_theta" => Parameter::Cosine(axes.cos_theta),
+            "alpha" => Parameter::Spaced(reflected.alpha, 1.0, [DOMAIN_ALPHA, 1.0]),
+            "ratio" => Parameter::Spaced(reflected.ratio, 1.0, [LEAST_RATIO, 1.0]),
+            "theta" => Parameter::Spaced(reflected.theta, 1.0, [0.0, lowest]),
+            _ => Parameter::Spaced(Spacing::Even, FRAC_PI_2, [0.0, FRAC_PI_2]),
+        };
+        let texels = self.resolution.texels().iter().map(|n| *n as usize);
+        self.table.axes().iter().map(parameter).zip(texels).collect()
     }
 
     /// The names of the channels.
     #[must_use]
     pub fn channels(&self) -> &'static [&'static str] {
-        self.table.channels(self.form)
+        match (self.table, self.form) {
+            (LutKind::Transmission, _) => &["reflected", "transmitted"],
+            (_, Some(DfgForm::Karis)) => &["scale", "bias"],
+            (_, Some(DfgForm::Filament)) => &["bias", "albedo"],
+            (_, Some(DfgForm::F82)) => &["scale", "bias", "metal_bias"],
+            (_, None) => &["albedo"],
+        }
     }
 
-    /// The values of the channels at an alpha and a cosine, correct to 1e-6 (GGX) or 1e-5. Further numbers have no meaning.
+    /// The values of the channels at a place: the value on each axis, in the order of [`LutKind::axes`]. Correct to 1e-6
+    /// (isotropic GGX and glass) or 1e-5. Further numbers have no meaning.
+    ///
+    /// # Panics
+    /// If `place` has fewer numbers than the table has axes.
     #[must_use]
-    pub fn truth(&self, alpha: f64, cosine: f64) -> [f64; 3] {
-        if self.brdf != BrdfKind::Ggx {
-            return [albedo(&*self.brdf.surface([alpha; 2]), cosine), 0.0, 0.0];
+    pub fn truth(&self, place: &[f64]) -> [f64; 3] {
+        let [total, bias, metal_bias] = match (self.table, self.brdf) {
+            (LutKind::Transmission, _) => {
+                let [reflected, transmitted] = glass(place[0], place[1], place[2]);
+                return [reflected, transmitted, 0.0];
+            }
+            (LutKind::AnisotropicDfg, _) => {
+                let alpha = place[0].max(LEAST_ALPHA);
+                let alpha_y = (alpha * place[1].max(LEAST_RATIO)).max(LEAST_ALPHA);
+                let mut wo = direction(place[2], place[3]);
+                if wo.z < LEAST_COSINE {
+                    wo = direction(atan2(1.0, LEAST_COSINE), place[3]);
+                }
+                anisotropic([alpha, alpha_y], wo)
+            }
+            (_, BrdfKind::Ggx) => ggx(place[0], place[1]),
+            (_, brdf) => {
+                let is_of_fibres = matches!(brdf, BrdfKind::Charlie | BrdfKind::CharlieNeubelt);
+                let nodes = if is_of_fibres { nodes_of_fibres(place[0]) } else { [MOST_NODES; 2] };
+                [albedo(&*brdf.surface([place[0]; 2]), place[1], nodes), 0.0, 0.0]
+            }
+        };
+        match self.form {
+            Some(DfgForm::Filament) => [bias, total, 0.0],
+            Some(_) => [total - bias, bias, metal_bias],
+            None => [total, 0.0, 0.0],
         }
-        let [total, bias, metal_bias] = ggx(alpha, cosine);
-        match (self.table, self.form) {
-            (LutKind::Dfg, Some(DfgForm::Filament)) => [bias, total, 0.0],
-            (LutKind::Dfg, _) => [total - bias, bias, metal_bias],
-            _ => [total, 0.0, 0.0],
-        }
+    }
+
+    /// The values of the channels at the product of parameters on each axis.
+    pub(super) fn values<'a>(&'a self, parameters: &'a [Vec<f64>]) -> impl Iterator<Item = [f64; 3]> + 'a {
+        let grid = self.grid();
+        let count: usize = parameters.iter().map(Vec::len).product();
+        let mut place = vec![0.0; grid.len()];
+        (0..count).map(move |mut at| {
+            for (i, axis) in parameters.iter().enumerate().rev() {
+                place[i] = grid[i].0.value(axis[at % axis.len()]);
+                at /= axis.len();
+            }
+            self.truth(&place)
+        })
     }
 }

@@ -4,15 +4,16 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    recipe::{LutPrecision, LutRecipe},
+    axes::{Axis, Parameter},
+    recipe::{LutKind, LutPrecision, LutRecipe},
     rows::Lut,
+    solve::Places,
 };
 use crate::brdf::BrdfKind;
 
-/// About the number of places on each axis at which a table of GGX, or of another model, is measured. They are not the
-/// places of the fit. With 660 places on each axis the largest error of `dfg` is at most 3 % larger.
-const PLACES: usize = 220;
-const FEW_PLACES: usize = 64;
+/// The number of places between the ends of an axis: of isotropic GGX, of other models, of glass, and of anisotropic GGX.
+/// Prime numbers, so the places are at many positions between texels.
+const PLACES: [usize; 4] = [223, 67, 29, 13];
 
 /// Absolute errors over the domain: alpha from .002, cosine from .01, evenly in the parameters of the axes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -53,47 +54,71 @@ pub struct LutMap {
 #[derive(Debug)]
 pub struct MeasuredLut {
     recipe: LutRecipe,
-    /// Parameters of roughness and view, and the values.
-    truth: Vec<([f64; 2], [f64; 3])>,
+    places: Places,
+    /// The number of places on the last axis that has more than one.
+    columns: usize,
+    values: Vec<[f64; 3]>,
 }
 
 impl MeasuredLut {
-    /// Computes the values on the current rayon pool.
+    /// Computes the values over the whole domain on the current rayon pool.
     #[must_use]
     pub fn new(recipe: &LutRecipe) -> Self {
-        let count = if recipe.brdf == BrdfKind::Ggx { PLACES } else { FEW_PLACES };
-        let grid = recipe.grid();
-        let [rows, columns] = grid.map(|(parameter, texels)| parameter.even(recipe.axes.texels, texels, count));
-        let truth = rows.into_par_iter().flat_map_iter(|row| {
-            let alpha = grid[0].0.value(row);
-            let columns = columns.iter();
-            columns.map(move |column| ([row, *column], recipe.truth(alpha, grid[1].0.value(*column))))
+        let count = match (recipe.table, recipe.brdf) {
+            (LutKind::AnisotropicDfg, _) => PLACES[3],
+            (LutKind::Transmission, _) => PLACES[2],
+            (_, BrdfKind::Ggx) => PLACES[0],
+            _ => PLACES[1],
+        };
+        let even = |(parameter, texels): (Parameter, usize)| {
+            // Fine tables have more places than texels.
+            parameter.even(if recipe.table.axes().len() == 2 { count.max(texels * 5 / 4) } else { count })
+        };
+        Self::at(recipe, &recipe.grid().into_iter().map(even).collect::<Vec<_>>())
+    }
+
+    /// Computes the values of the slice that pictures show, and the place of the slice: smoothness downwards and the view
+    /// to the right. Other axes have a parameter in the middle.
+    #[must_use]
+    pub fn slice(recipe: &LutRecipe) -> Self {
+        let axes = recipe.grid().into_iter().zip(recipe.table.axes());
+        let parameters = axes.map(|((parameter, _), name)| match *name {
+            "ior" => vec![parameter.of(1.5)],
+            "ratio" | "phi" => vec![0.5],
+            _ => parameter.even(if recipe.brdf == BrdfKind::Ggx { PLACES[0] } else { PLACES[1] }),
         });
-        Self { recipe: *recipe, truth: truth.collect() }
+        Self::at(recipe, &parameters.collect::<Vec<_>>())
     }
 
-    /// The absolute errors at all places, all channels of each. Domain: texels of the recipe's resolution.
-    fn errors(&self, texels: &[f32]) -> Vec<f64> {
-        let (axes, size) = (&self.recipe.axes, &self.recipe.resolution);
-        let (channels, width) = (self.recipe.channels().len(), size.cos_theta as usize);
-        let mut errors: Vec<f64> = Vec::with_capacity(channels * self.truth.len());
-        for (at, truth) in &self.truth {
-            let (row, down) = axes.texels.filter(at[0], size.roughness as usize);
-            let (column, right) = axes.texels.filter(at[1], width);
-            for (channel, truth) in truth.iter().take(channels).enumerate() {
-                let texel = |row: usize, column: usize| f64::from(texels[(row * width + column) * channels + channel]);
-                let mix = |row| texel(row, column) * (1.0 - right) + texel(row, column + 1) * right;
-                errors.push((mix(row) * (1.0 - down) + mix(row + 1) * down - truth).abs());
-            }
+    fn at(recipe: &LutRecipe, parameters: &[Vec<f64>]) -> Self {
+        let first = parameters[0].par_iter();
+        let values = first.flat_map_iter(|x| {
+            let mut row = parameters.to_vec();
+            row[0] = vec![*x];
+            recipe.values(&row).collect::<Vec<_>>()
+        });
+        Self {
+            recipe: *recipe,
+            places: Places::new(&Axis::all(recipe, parameters)),
+            columns: parameters.iter().rev().map(Vec::len).find(|n| *n > 1).unwrap_or(1),
+            values: values.collect(),
         }
-        errors
     }
 
-    /// The error of texels: rows of roughness, then texels of the view, then channels. Domain: texels of the recipe's
+    /// The absolute errors of a channel at all places. Domain: texels of the recipe's resolution.
+    fn errors(&self, texels: &[f32], channel: usize) -> Vec<f64> {
+        let channels = self.recipe.channels().len();
+        let texels: Vec<f64> = texels.iter().skip(channel).step_by(channels).map(|x| f64::from(*x)).collect();
+        let found = self.places.filtered(&texels).zip(&self.values);
+        found.map(|(found, values)| (found - values[channel]).abs()).collect()
+    }
+
+    /// The error of texels in the order of the axes, with all channels of each. Domain: texels of the recipe's
     /// resolution.
     #[must_use]
     pub fn error(&self, texels: &[f32]) -> LutError {
-        let mut errors = self.errors(texels);
+        let channels = 0..self.recipe.channels().len();
+        let mut errors: Vec<f64> = channels.flat_map(|channel| self.errors(texels, channel)).collect();
         errors.sort_by(f64::total_cmp);
         let count = errors.len();
         LutError {
@@ -103,16 +128,13 @@ impl MeasuredLut {
         }
     }
 
-    /// The values and errors of one channel: rows of roughness, from smooth surfaces, with low views first, and the
-    /// number of places in a row.
+    /// The values and errors of one channel, and the number of places in a row. Rows start with smooth surfaces.
     #[must_use]
     pub fn map(&self, lut: &Lut, channel: usize) -> LutMap {
-        let columns = self.truth.iter().take_while(|(at, _)| at[0] == self.truth[0].0[0]).count();
-        let errors = self.errors(&lut.texels).into_iter().skip(channel).step_by(self.recipe.channels().len());
         LutMap {
-            columns,
-            values: self.truth.iter().map(|(_, truth)| truth[channel]).collect(),
-            errors: errors.collect(),
+            columns: self.columns,
+            values: self.values.iter().map(|values| values[channel]).collect(),
+            errors: self.errors(&lut.texels, channel),
         }
     }
 
@@ -120,29 +142,18 @@ impl MeasuredLut {
     #[must_use]
     pub fn report(&self, lut: &Lut) -> LutReport {
         let recipe = &self.recipe;
-        let (axes, size) = (&recipe.axes, &recipe.resolution);
-        let sampled: Vec<f32> = (0..size.roughness as usize)
-            .into_par_iter()
-            .flat_map_iter(|row| {
-                let alpha = axes.roughness.alpha(axes.texels.parameter(row, size.roughness as usize));
-                (0..size.cos_theta as usize).flat_map(move |column| {
-                    let cosine = axes.cos_theta.cosine(axes.texels.parameter(column, size.cos_theta as usize));
-                    recipe
-                        .truth(alpha, cosine)
-                        .into_iter()
-                        .take(recipe.channels().len())
-                        .map(|x| recipe.precision.round(x))
-                })
-            })
-            .collect();
+        let texels = |(_, n): (Parameter, usize)| (0..n).map(|i| recipe.texels().parameter(i, n)).collect();
+        let exact = Self::at(recipe, &recipe.grid().into_iter().map(texels).collect::<Vec<_>>());
+        let numbers = |values: &[f64; 3]| values.map(|x| recipe.precision.round(x)).into_iter();
+        let sampled = exact.values.iter().flat_map(|values| numbers(values).take(recipe.channels().len()));
         let of = |format: &LutPrecision| {
             let rounded: Vec<f32> = lut.texels.iter().map(|x| format.round(f64::from(*x))).collect();
             (*format, self.error(&rounded))
         };
         LutReport {
-            places: self.truth.len(),
+            places: self.values.len(),
             stored: self.error(&lut.texels),
-            sampled: self.error(&sampled),
+            sampled: self.error(&sampled.collect::<Vec<_>>()),
             formats: LutPrecision::ALL.iter().map(of).collect(),
         }
     }

@@ -10,7 +10,18 @@ use super::{
     recipe::{LutKind, LutPrecision, LutRecipe},
     solve::solve,
 };
-use crate::{brdf::BrdfKind, expectation::Expectation, run::Progress, shard::ShardBytesError};
+use crate::{brdf::BrdfKind, expectation::Expectation, math::cbrt, run::Progress, shard::ShardBytesError};
+
+/// The seconds of a place, on the machine of the cost model.
+fn seconds(recipe: &LutRecipe) -> f64 {
+    match (recipe.table, recipe.brdf) {
+        (LutKind::Transmission, _) => 40e-6,
+        (LutKind::AnisotropicDfg, _) => 60e-6,
+        (_, BrdfKind::Ggx) => 8e-6,
+        (LutKind::Sheen, BrdfKind::Charlie | BrdfKind::CharlieNeubelt) => 35e-6,
+        _ => 120e-6,
+    }
+}
 
 /// A recipe and the places at which its values are computed.
 #[derive(Debug, Clone)]
@@ -21,28 +32,32 @@ pub struct LutPlan {
 }
 
 impl LutRecipe {
-    /// The predicted time, mean error and size of the table. A place takes as long as on the machine of the cost model;
-    /// the error is that of `dfg` with the default axes, measured from 16 x 16 to 128 x 128 texels.
+    /// The predicted time, mean error and size of the table. Errors were measured with the default axes, from 16 x 16
+    /// to 128 x 128 texels, and for similar numbers of texels on more axes.
     #[must_use]
     pub fn expectation(&self) -> Expectation {
         let texels = self.entries() as f64;
-        let of_place = if self.brdf == BrdfKind::Ggx { 8e-6 } else { 120e-6 };
         let (least_error, width) = match self.precision {
             LutPrecision::F32 => (0.0, 4),
             LutPrecision::F16 => (5e-5, 2),
             LutPrecision::Unorm16 => (1e-5, 2),
             LutPrecision::Rgba8 => (7e-4, 1),
         };
+        let error = match self.table {
+            LutKind::Transmission => 0.16 / cbrt(texels * texels),
+            LutKind::AnisotropicDfg => 0.16 / texels.sqrt(),
+            _ => 0.16 / texels,
+        };
         let bytes = width * self.entries() * self.channels().len() as u64;
-        let seconds = of_place * LutPlan::new(self).places() as f64;
-        Expectation { seconds, error: (0.16 / texels).max(least_error), bytes }
+        let seconds = seconds(self) * LutPlan::new(self).places() as f64;
+        Expectation { seconds, error: error.max(least_error), bytes }
     }
 }
 
 /// A lookup table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lut {
-    /// Rows of roughness, then texels of the view, then channels.
+    /// The texels in the order of the axes, the last axis fastest, with all channels of each.
     pub texels: Vec<f32>,
     /// The average of the albedo over the hemisphere for each roughness, in tables of kind `albedo`. Always f32, because
     /// a smooth surface loses less energy than the step of halves below one.
@@ -55,13 +70,13 @@ impl LutPlan {
     pub fn new(recipe: &LutRecipe) -> Self {
         let grid = recipe.grid();
         let most = grid.iter().map(|(_, texels)| *texels).max().unwrap_or(1);
-        let per_texel = if recipe.brdf == BrdfKind::Ggx {
-            FEWEST * (128 / most).clamp(1, 4)
-        } else {
-            // These values take about twenty times as long.
-            (128 / most).clamp(1, 8)
+        let per_texel = match (grid.len(), recipe.brdf) {
+            (2, BrdfKind::Ggx) => FEWEST * (128 / most).clamp(1, 4),
+            // These values take longer.
+            (2, _) => (128 / most).clamp(1, 8),
+            _ => FEWEST,
         };
-        let places = grid.iter().map(|(parameter, texels)| parameter.places(recipe.axes.texels, *texels, per_texel));
+        let places = grid.iter().map(|(parameter, texels)| parameter.places(recipe.texels(), *texels, per_texel));
         Self { recipe: *recipe, places: places.collect() }
     }
 
@@ -76,10 +91,10 @@ impl LutPlan {
         self.places.iter().map(Vec::len).product()
     }
 
-    /// The number of shards, which are rows of texels with the same roughness.
+    /// The number of shards, one for each texel on the first axis.
     #[must_use]
     pub fn shards(&self) -> u32 {
-        self.recipe.resolution.roughness
+        self.recipe.resolution.texels()[0]
     }
 
     /// The places on the first axis that belong to a shard.
@@ -90,17 +105,15 @@ impl LutPlan {
 
     /// The values at the places of a shard, all channels of each place. `None` if `on_progress` stops it.
     pub fn fit_shard(&self, shard: u32, on_progress: &mut dyn FnMut(u64) -> ControlFlow<()>) -> Option<Vec<f64>> {
-        let recipe = &self.recipe;
-        let (grid, channels) = (recipe.grid(), recipe.channels().len());
+        let channels = self.recipe.channels().len();
         let mut values = Vec::with_capacity(self.numbers(shard));
+        let mut places = self.places.clone();
         for row in self.rows(shard) {
-            let alpha = grid[0].0.value(self.places[0][row]);
-            for x in &self.places[1] {
-                values.extend(recipe.truth(alpha, grid[1].0.value(*x)).into_iter().take(channels));
-            }
+            places[0] = vec![self.places[0][row]];
+            values.extend(self.recipe.values(&places).flat_map(|of| of.into_iter().take(channels)));
             on_progress(0).is_continue().then_some(())?;
         }
-        on_progress(u64::from(recipe.resolution.cos_theta)).is_continue().then_some(values)
+        on_progress(self.recipe.entries() / u64::from(self.shards())).is_continue().then_some(values)
     }
 
     /// The numbers of a shard.
@@ -127,11 +140,7 @@ impl LutPlan {
     pub fn assemble(&self, values: &[f64]) -> Lut {
         let recipe = &self.recipe;
         let channels = recipe.channels().len();
-        let grid = recipe.grid();
-        let axes = grid.iter().zip(&self.places);
-        let axes: Vec<Axis> = axes
-            .map(|((parameter, texels), places)| Axis::new(*parameter, recipe.axes.texels, *texels, places))
-            .collect();
+        let axes = Axis::all(recipe, &self.places);
         // A surface that reflects more than all light has no lost energy to return.
         let is_bounded = recipe.table == LutKind::Albedo || recipe.precision.steps().is_some();
         let truth = |channel: usize| -> Vec<f64> { values.iter().skip(channel).step_by(channels).copied().collect() };
@@ -140,7 +149,7 @@ impl LutPlan {
         let texels = (0..solved[0].len()).flat_map(|texel| solved.iter().map(move |channel| channel[texel]));
         let texels: Vec<f32> = texels.map(|x| recipe.precision.round(x)).collect();
         let average = (recipe.table == LutKind::Albedo).then(|| {
-            let rows = texels.chunks(recipe.resolution.cos_theta as usize);
+            let rows = texels.chunks(texels.len() / recipe.resolution.texels()[0] as usize);
             rows.map(|row| average(recipe, row) as f32).collect()
         });
         Lut { texels, average }
@@ -150,7 +159,7 @@ impl LutPlan {
 /// The average of a row over the hemisphere, `2 int E(mu) mu dmu`, where the linear filter reads `E`. With this average
 /// a compensated surface returns all energy.
 fn average(recipe: &LutRecipe, row: &[f32]) -> f64 {
-    let axes = &recipe.axes;
+    let axes = recipe.axes.unwrap_or_default();
     let steps = 16 * row.len();
     let rule = Rule::new(4);
     let part = |step: usize| {
@@ -167,9 +176,8 @@ fn average(recipe: &LutRecipe, row: &[f32]) -> f64 {
 /// Computes a whole table on the current rayon pool. Returns `None` if `progress` stops it.
 #[must_use]
 pub fn fit_lut(plan: &LutPlan, progress: &Progress) -> Option<Lut> {
-    let row = |shard| {
-        plan.fit_shard(shard, &mut |_| progress(u64::from(shard) * u64::from(plan.recipe.resolution.cos_theta)))
-    };
+    let of_shard = plan.recipe.entries() / u64::from(plan.shards());
+    let row = |shard| plan.fit_shard(shard, &mut |_| progress(u64::from(shard) * of_shard));
     let rows: Option<Vec<Vec<f64>>> = (0..plan.shards()).into_par_iter().with_max_len(1).map(row).collect();
     Some(plan.assemble(&rows?.concat()))
 }

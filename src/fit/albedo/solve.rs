@@ -17,8 +17,9 @@ const FEW_ROUNDS: usize = 3;
 /// Steps of conjugate gradients in each round, from the texels of the previous round.
 const STEPS: usize = 24;
 
-/// The places of a solve and the linear filter at each.
-struct Places {
+/// The places of a solve or of a report, and the linear filter at each.
+#[derive(Debug)]
+pub(super) struct Places {
     /// The first texel of each place.
     texels: Vec<usize>,
     /// The texels of a place, relative to its first.
@@ -31,7 +32,7 @@ struct Places {
 
 impl Places {
     /// The product of the places on all axes.
-    fn new(axes: &[Axis]) -> Self {
+    pub(super) fn new(axes: &[Axis]) -> Self {
         let (mut texels, mut offsets, mut filters, mut domain) = (vec![0], vec![0], vec![1.0], vec![1.0]);
         for axis in axes {
             offsets = offsets.iter().flat_map(|at| [at * axis.texels, at * axis.texels + 1]).collect();
@@ -54,7 +55,7 @@ impl Places {
     }
 
     /// What the linear filter reads at each place.
-    fn filtered<'a>(&'a self, texels: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+    pub(super) fn filtered<'a>(&'a self, texels: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
         let filters = self.filters.chunks_exact(self.offsets.len());
         self.texels.iter().zip(filters).map(move |(first, filters)| {
             filters.iter().zip(&self.offsets).map(|(weight, offset)| weight * texels[first + offset]).sum()

@@ -4,11 +4,15 @@ use std::{f64::consts::PI, ops::ControlFlow};
 
 use glam::DVec3;
 
-use super::{ggx::ggx, *};
+use super::{
+    ggx::ggx,
+    glass::{dielectric, glass},
+    *,
+};
 use crate::{
     FITTER_VERSION,
     brdf::{Brdf, Ggx},
-    math::{Lattice, direction, exp, ln, sin_cos},
+    math::{Lattice, direction, exp, ln, recurrence4, sin_cos},
 };
 
 fn recipe(table: LutKind, texels: u32) -> LutRecipe {
@@ -16,9 +20,9 @@ fn recipe(table: LutKind, texels: u32) -> LutRecipe {
         fitter: FITTER_VERSION,
         table,
         brdf: table.brdfs()[0],
-        form: (table == LutKind::Dfg).then_some(DfgForm::Karis),
-        resolution: LutResolution { roughness: texels, cos_theta: texels },
-        axes: LutAxes::default(),
+        form: table.has_forms().then_some(DfgForm::Karis),
+        resolution: LutResolution::new(table, |_| texels),
+        axes: (table != LutKind::AnisotropicDfg).then(LutAxes::default),
         precision: LutPrecision::F16,
     }
 }
@@ -62,10 +66,9 @@ fn simpson(f: &mut dyn FnMut(f64) -> [f64; 2], [a, b]: [f64; 2], tolerance: f64)
     sum
 }
 
-/// The albedo by nested adaptive Simpson over polar angle and azimuth of the normal, with the values of [`Ggx`].
-fn independent(alpha: f64, cosine: f64) -> [f64; 2] {
-    let surface = Ggx { alpha_x: alpha, alpha_y: alpha };
-    let wo = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
+/// The integral of two factors over the visible normals, by nested adaptive Simpson over polar angle and azimuth of the
+/// normal. `of` takes the normal.
+fn independent(alpha: f64, azimuths: f64, of: impl Fn(DVec3) -> [f64; 2]) -> [f64; 2] {
     simpson(
         &mut |u| {
             // The variable is the logarithm of the slope.
@@ -75,29 +78,98 @@ fn independent(alpha: f64, cosine: f64) -> [f64; 2] {
             simpson(
                 &mut |phi| {
                     let (y, x) = sin_cos(phi);
-                    let wm = DVec3::new(slope * x, slope * y, 1.0) / length;
-                    let value = 2.0 * surface.eval_normal(wo, wm) * jacobian;
-                    [value, value * (1.0 - wo.dot(wm)).max(0.0).powi(5)]
+                    of(DVec3::new(slope * x, slope * y, 1.0) / length).map(|x| x * jacobian)
                 },
-                [0.0, PI],
-                3e-8,
+                [0.0, azimuths],
+                3e-9,
             )
         },
-        [ln(1e-5 * alpha), ln(2e3)],
+        [ln(1e-5 * alpha), ln(1e7)],
         1e-7,
     )
+}
+
+/// The view from a cosine, at azimuth zero.
+fn view(cosine: f64) -> DVec3 {
+    DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine)
 }
 
 #[test]
 fn values_of_ggx_agree_with_an_independent_integral() {
     for [x, y] in Lattice::new(200, [0.21, 0.83]).points() {
         let (alpha, cosine) = (0.002_f64.powf(1.0 - x), 0.01 + 0.99 * y * y);
-        let (found, expected) = (ggx(alpha, cosine), independent(alpha, cosine));
+        let (surface, wo) = (Ggx { alpha_x: alpha, alpha_y: alpha }, view(cosine));
+        let expected = independent(alpha, PI, |wm| {
+            let value = 2.0 * surface.eval_normal(wo, wm);
+            [value, value * (1.0 - wo.dot(wm)).max(0.0).powi(5)]
+        });
+        let found = ggx(alpha, cosine);
         let error = (0..2).map(|i| (found[i] - expected[i]).abs()).fold(0.0, f64::max);
         assert!(error < 1e-6, "alpha {alpha}, cosine {cosine}: {found:?}, not {expected:?}");
     }
     // At normal incidence and alpha 1 the integral has a closed form.
     assert!((ggx(1.0, 1.0)[0] - (1.0 - std::f64::consts::LN_2)).abs() < 1e-8);
+}
+
+#[test]
+fn values_of_glass_agree_with_an_independent_integral() {
+    for i in 0..200 {
+        let [x, y, z, _] = recurrence4(i, [0.31, 0.77, 0.12, 0.5]);
+        let (alpha, cosine) = (0.002_f64.powf(1.0 - x), 0.01 + 0.99 * y * y);
+        // Also an index of one, at which nothing is reflected.
+        let eta = if i % 20 == 0 { 1.0 } else { 1.0 + 2.0 * z * z };
+        let (surface, wo) = (Ggx { alpha_x: alpha, alpha_y: alpha }, view(cosine));
+        let expected = independent(alpha, PI, |wm| {
+            let incident = wo.dot(wm);
+            if incident <= 0.0 {
+                return [0.0; 2];
+            }
+            let visible = 2.0 * surface.distribution(wm) * incident / cosine;
+            let refracted = (1.0 - (1.0 - incident * incident) / (eta * eta)).sqrt();
+            let light = [2.0 * incident * wm - wo, (incident / eta - refracted) * wm - wo / eta];
+            let masked = light.map(|wi| 1.0 / (1.0 + surface.smith_lambda(wo) + surface.smith_lambda(wi)));
+            let reflected = dielectric(incident, eta);
+            [
+                if light[0].z > 0.0 { visible * reflected * masked[0] } else { 0.0 },
+                visible * (1.0 - reflected) * masked[1],
+            ]
+        });
+        let found = glass(eta, alpha, cosine);
+        let error = (0..2).map(|i| (found[i] - expected[i]).abs()).fold(0.0, f64::max);
+        assert!(error < 1e-6, "index {eta}, alpha {alpha}, cosine {cosine}: {found:?}, not {expected:?}");
+        assert!(found[0] >= 0.0 && found[0] + found[1] < 1.0, "index {eta}, alpha {alpha}, cosine {cosine}: {found:?}");
+    }
+    // At an index of one, all normals pass light straight through: `1 / (1 + Lambda)` of them are visible.
+    let (wo, surface) = (view(0.1), Ggx { alpha_x: 0.4, alpha_y: 0.4 });
+    let lambda = surface.smith_lambda(wo);
+    assert!((glass(1.0, 0.4, 0.1)[1] - (1.0 + lambda) / (1.0 + 2.0 * lambda)).abs() < 1e-6);
+    // A flat interface transmits all light that it does not reflect.
+    let [reflected, transmitted] = glass(1.5, 1e-4, 1.0);
+    assert!((reflected - 0.04).abs() < 1e-6 && (transmitted - 0.96).abs() < 1e-6, "{reflected} {transmitted}");
+}
+
+#[test]
+fn values_of_anisotropic_ggx_agree_with_an_independent_integral() {
+    let recipe = LutRecipe { form: Some(DfgForm::Filament), ..recipe(LutKind::AnisotropicDfg, 2) };
+    for i in 0..200 {
+        let [x, y, z, w] = recurrence4(i, [0.13, 0.41, 0.9, 0.62]);
+        let (alpha_x, ratio) = (0.02_f64.powf(1.0 - x), 0.05_f64.powf(1.0 - y));
+        let (theta, phi) = ((0.01 + 0.99 * z * z).acos(), 0.5 * PI * w);
+        let (surface, wo) = (Ggx { alpha_x, alpha_y: alpha_x * ratio }, direction(theta, phi));
+        let [albedo, bias] = independent(alpha_x * ratio, 2.0 * PI, |wm| {
+            let value = surface.eval_normal(wo, wm);
+            [value, value * (1.0 - wo.dot(wm)).max(0.0).powi(5)]
+        });
+        let found = recipe.truth(&[alpha_x, ratio, theta, phi]);
+        let error = (found[0] - bias).abs().max((found[1] - albedo).abs());
+        assert!(error < 1e-5, "{alpha_x} {ratio} {theta} {phi}: {found:?}, not {bias} {albedo}");
+    }
+    // An isotropic surface has the values of `dfg` from all azimuths.
+    for [x, y] in Lattice::new(50, [0.7, 0.2]).points() {
+        let [expected, ..] = [ggx(x, 0.3)].map(|[albedo, bias, _]| [bias, albedo]);
+        let found = recipe.truth(&[x, 1.0, 0.3_f64.acos(), 0.5 * PI * y]);
+        assert!((0..2).all(|i| (found[i] - expected[i]).abs() < 1e-6), "{x} {y}: {found:?}, not {expected:?}");
+    }
 }
 
 #[test]
@@ -117,7 +189,7 @@ fn values_of_sheen_and_diffuse_agree_with_an_independent_integral() {
                     )
                 };
                 let [expected, _] = simpson(&mut around, [0.0, 0.5 * PI], 1e-7);
-                let [found, ..] = recipe.truth(alpha, cosine);
+                let [found, ..] = recipe.truth(&[alpha, cosine]);
                 assert!((found - expected).abs() < 1e-5, "{brdf} {alpha} {cosine}: {found}, not {expected}");
             }
         }
@@ -132,6 +204,20 @@ fn filtered_errors_are_within_their_limits() {
         let ratio = report.stored.mean / recipe.expectation().error;
         assert!((0.7..1.4).contains(&ratio), "{texels}: the expected error is wrong by {ratio}");
         assert!(report.stored.mean < mean && report.stored.max < max, "{texels}: {report:?}");
+    }
+}
+
+#[test]
+fn tables_of_more_axes_have_the_expected_error() {
+    for (table, texels, mean, max) in
+        [(LutKind::Transmission, 16, 0.001, 0.08), (LutKind::AnisotropicDfg, 8, 0.004, 0.12)]
+    {
+        let recipe = recipe(table, texels);
+        let report = MeasuredLut::new(&recipe).report(&fitted(&recipe));
+        assert!(report.stored.mean < mean && report.stored.max < max, "{table}: {report:?}");
+        assert!(report.stored.mean < report.sampled.mean, "{table}: {report:?}");
+        let ratio = report.stored.mean / recipe.expectation().error;
+        assert!((0.7..1.4).contains(&ratio), "{table}: the expected error is wrong by {ratio}");
     }
 }
 
@@ -154,14 +240,14 @@ fn furnace(recipe: &LutRecipe, lut: &Lut) -> f64 {
             + (at(row + 1.0, column) * (1.0 - right) + at(row + 1.0, column + 1.0) * right) * down
     };
     let place = |x: f64| {
-        let (below, next) = recipe.axes.texels.filter(x, size);
+        let (below, next) = recipe.texels().filter(x, size);
         [below as f64, next]
     };
     let mut worst = 0.0_f64;
     for [x, y] in Lattice::new(1500, [0.3, 0.1]).points() {
         // All roughnesses, and views from a cosine of .01.
-        let view = recipe.axes.cos_theta.of_cosine(0.01 + 0.99 * y);
-        let alpha = recipe.axes.roughness.alpha(x);
+        let view = LutAxes::default().cos_theta.of_cosine(0.01 + 0.99 * y);
+        let alpha = LutAxes::default().roughness.alpha(x);
         let [row, down] = place(x);
         let average = f64::from(average[row as usize]) * (1.0 - down) + f64::from(average[row as usize + 1]) * down;
         // Kulla and Conty add (1 - E(o)) (1 - E(i)) / (pi (1 - average)); its albedo is (1 - E(o)) times this factor.
@@ -170,11 +256,11 @@ fn furnace(recipe: &LutRecipe, lut: &Lut) -> f64 {
         let lights = (0..steps).map(|i| {
             // The variable is the root of the cosine.
             let u = (f64::from(i) + 0.5) / f64::from(steps);
-            let light = place(recipe.axes.cos_theta.of_cosine(u * u));
+            let light = place(LutAxes::default().cos_theta.of_cosine(u * u));
             4.0 * u * u * u * (1.0 - read(&lut.texels, [row, down], light)) / f64::from(steps)
         });
         let factor = lights.sum::<f64>() / (1.0 - average).max(1e-6);
-        let [single, ..] = recipe.truth(alpha, recipe.axes.cos_theta.cosine(view));
+        let [single, ..] = recipe.truth(&[alpha, LutAxes::default().cos_theta.cosine(view)]);
         worst = worst.max((single + lost * factor - 1.0).abs());
     }
     worst

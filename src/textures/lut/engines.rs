@@ -14,7 +14,7 @@ use super::{
         containers::{dx10, ktx2, numbers},
         texture::Texture,
     },
-    LutExportError, file, fitted, one, unrounded,
+    LutExportError, file, fitted, flat, one, unrounded,
 };
 use half::f16;
 use ltcforge_fit::{
@@ -111,11 +111,22 @@ impl LutEngine {
         let Format { cos_theta, texels, size, form, precision, .. } = self.format();
         self.loads(recipe.table).then(|| LutRecipe {
             form: recipe.form.map(|_| form),
-            axes: LutAxes { roughness: RoughnessAxis::Perceptual, cos_theta, texels },
-            resolution: size.map_or(recipe.resolution, |n| LutResolution { roughness: n, cos_theta: n }),
+            axes: Some(LutAxes { roughness: RoughnessAxis::Perceptual, cos_theta, texels }),
+            resolution: size.map_or(recipe.resolution, |n| LutResolution::new(recipe.table, |_| n)),
             precision,
             ..*recipe
         })
+    }
+
+    /// The engine's table for area lights.
+    fn area_lights(self) -> String {
+        match self {
+            Self::Filament | Self::GltfSampleViewer => format!("{self} has no area lights, so it needs no LTC table."),
+            Self::Blender => "Blender's table for area lights is the array ltc_mat_ggx in the same file: \
+                              ltcforge export LTC_TABLE --layout ltc2017 --container c."
+                .to_owned(),
+            _ => format!("For the table of area lights of {self}: ltcforge export LTC_TABLE --for {self}."),
+        }
     }
 
     /// The engine's files. `recipe` has the engine's parameters.
@@ -130,15 +141,11 @@ impl LutEngine {
             texels = both.flat_map(|(texel, third)| texel.iter().copied().chain([third - offset])).collect();
             names.push(table.name());
         }
-        let LutResolution { roughness, cos_theta } = recipe.resolution;
-        let texture = Image { size: [cos_theta, roughness], names, texels };
+        let texture = Image { size: flat(recipe), names, texels };
         let (made, steps): (_, &[&str]) = match self {
             Self::Three => (
                 three(&texture.transposed(), about)?,
-                &[
-                    "Replace src/renderers/shaders/DFGLUTData.js in three.js's sources (0.185), and build it.",
-                    "The tables for area lights are in ltc.js: ltcforge export LTC_TABLE --for three.",
-                ],
+                &["Replace src/renderers/shaders/DFGLUTData.js in three.js's sources (0.185), and build it."],
             ),
             Self::Bevy => {
                 let texture = texture.texture("dfg")?;
@@ -148,7 +155,6 @@ impl LutEngine {
                     &[
                         "Built in: replace crates/bevy_pbr/src/environment_map/dfg.ktx2 in Bevy's sources (feature dfg_lut).",
                         "At run time: insert the handle of dfg.ktx2 as DfgLut { texture } into the render world.",
-                        "The table for area lights is ltc.ktx2: ltcforge export LTC_TABLE --for bevy.",
                     ],
                 )
             }
@@ -160,7 +166,6 @@ impl LutEngine {
                     &[
                         "Before the first PBR material: const t = new BABYLON.Texture(\"environmentBRDF.png\", scene, true, false); t.isRGBD = true; t.wrapU = t.wrapV = BABYLON.Texture.CLAMP_ADDRESSMODE; scene.environmentBRDFTexture = t;",
                         "Built in: replace the first PNG in packages/dev/core/src/Misc/brdfTextureTools.ts, in base64.",
-                        "The table for area lights is areaLightsLTC.bin: ltcforge export LTC_TABLE --for babylon.",
                     ],
                 )
             }
@@ -177,7 +182,6 @@ impl LutEngine {
                     file("dfg_lut.dds", dx10(&stored)?, &[&stored]),
                     &[
                         "Godot draws this texture when it starts: in scene_shader_forward_clustered.cpp, fill dfg_lut.texture from dfg_lut.dds instead of running integrate_dfg.glsl.",
-                        "The tables for area lights are ltc_lut1.dds and ltc_lut2.dds: ltcforge export LTC_TABLE --for godot.",
                     ],
                 )
             }
@@ -192,7 +196,6 @@ impl LutEngine {
                 unrounded("PreIntegratedFGD_GGXDisneyDiffuse.dds", ten_bits(&texture)?),
                 &[
                     "HDRP draws this texture when it starts: in PreIntegratedFGD.RenderInit, copy these texels to m_PreIntegratedFGD[0] instead of calling DrawFullScreen.",
-                    "The table for area lights is LtcData.BRDF_GGX.cs: ltcforge export LTC_TABLE --for hdrp.",
                 ],
             ),
             Self::GltfSampleViewer => {
@@ -219,7 +222,8 @@ impl LutEngine {
                 ],
             ),
         };
-        Ok(Bundle { files: vec![made], steps: steps.iter().map(|&step| step.to_owned()).collect() })
+        let steps = steps.iter().map(|&step| step.to_owned()).chain([self.area_lights()]);
+        Ok(Bundle { files: vec![made], steps: steps.collect() })
     }
 }
 

@@ -141,7 +141,7 @@ fn every_engine_gets_its_size_channels_and_format() {
 /// Albedo and bias.
 fn ltcforge_values(alpha: f64, cosine: f64) -> [f64; 3] {
     let document = r#"{"table": "dfg", "form": "filament", "resolution": {"roughness": 2, "cos_theta": 2}}"#;
-    let [bias, total, _] = fitted(document).recipe.truth(alpha, cosine);
+    let [bias, total, _] = fitted(document).recipe.truth(&[alpha, cosine]);
     [total, bias, 0.0]
 }
 

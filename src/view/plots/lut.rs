@@ -7,10 +7,10 @@ use ltcforge_fit::albedo::{Lut, LutMap, LutRecipe, MeasuredLut};
 const SIDE: u32 = 260;
 
 /// Draws values and errors of each channel, with the view to the right and roughness upwards, evenly in the parameters
-/// of the axes. Runs on the current rayon pool.
+/// of the axes, in the middle of the other axes. Runs on the current rayon pool.
 #[must_use]
 pub fn draw_lut(recipe: &LutRecipe, lut: &Lut, name: &str) -> Picture {
-    let measured = MeasuredLut::new(recipe);
+    let measured = MeasuredLut::slice(recipe);
     let maps = recipe.channels().iter().enumerate().map(|(i, channel)| (*channel, measured.map(lut, i)));
     let maps: Vec<(String, LutMap)> = maps.map(|(channel, map)| (format!("{channel}, error"), map)).collect();
     let panels = maps.iter().flat_map(|(title, map)| {
@@ -29,7 +29,12 @@ pub fn draw_lut(recipe: &LutRecipe, lut: &Lut, name: &str) -> Picture {
     });
     let short = format!("table {} of {}", recipe.table, recipe.brdf);
     let at = format!("{name}: {short}");
-    let how = format!("x: view ({}), y: roughness ({})", recipe.axes.cos_theta, recipe.axes.roughness);
+    let axes = recipe.axis_names();
+    let how = match axes.as_slice() {
+        [roughness, view] => format!("x: {view}, y: {roughness}"),
+        [_, roughness, view] => format!("x: {view}, y: {roughness}, at ior 1.5"),
+        _ => "x: theta, y: alpha, in the middle of ratio and phi".to_owned(),
+    };
     headed(&[&[&at, &short], &[&how]], &grid(&panels.collect::<Vec<_>>(), 2))
 }
 
