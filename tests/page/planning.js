@@ -1,22 +1,16 @@
-// Tests the forecast of a recipe and its place in the chart, weights of materials, and recipes from scenes.
+// Tests the forecast of a recipe, weights of materials, and recipes from scenes.
 
 import { glb, sphere } from './glb.js';
 import { withWorld } from './world.js';
 
-await withWorld( async ( { service, open, complaints } ) => {
+await withWorld( async ( { open, complaints } ) => {
 
-	await service.fit( { preset: 'draft' } );
 	const page = await open( 'new' );
 	const recipe = async () => JSON.parse( await page.getByRole( 'textbox', { name: 'Recipe as JSON' } ).inputValue() );
 	const size = ( text ) => page.locator( '.facts div', { hasText: 'Size' } ).filter( { hasText: text } ).waitFor();
 	await size( '166 kB' );
-	// The chart shows the recipe and a measured table.
-	await page.locator( '.tradeoff .measured' ).waitFor();
-	const own = () => page.locator( '.tradeoff .own' ).evaluate( ( mark ) => Number( mark.getAttribute( 'cx' ) ) );
-	const bytes = await own();
 	await page.locator( '#field-precision' ).selectOption( 'f16' );
 	await size( '83 kB' );
-	const halved = await own();
 
 	// The form shows the weights of materials and keeps them.
 	const fresnel = [ { f0: 1 }, { f0: 0.04, weight: 4 } ];
@@ -48,6 +42,6 @@ await withWorld( async ( { service, open, complaints } ) => {
 	await page.waitForFunction( () => document.querySelector( '#field-brdf' ).value === 'charlie_neubelt' );
 	// The browser reports every response with an error status.
 	const others = complaints.splice( 0 ).filter( ( text ) => ! text.includes( 'status of 422' ) );
-	return { others, halved: halved < bytes, shown, weighed, fault, planned, round, refused };
+	return { others, shown, weighed, fault, planned, round, refused };
 
 } );

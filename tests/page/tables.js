@@ -1,4 +1,5 @@
-// Searches, sorts, compares and varies tables. Reads the error maps of a table with pointer and keyboard.
+// Searches, sorts, labels, compares and varies tables. Reads the error maps of a table with pointer and keyboard. Then a
+// lookup table.
 
 import { SMALL, withWorld } from './world.js';
 
@@ -28,7 +29,7 @@ await withWorld( async ( { service, open } ) => {
 	const [ coarse, half ] = [ await service.fit( SMALL ), await service.fit( { ...SMALL, precision: 'f16' } ) ];
 	const manifests = {};
 	for ( const name of [ digest, coarse, half ] ) manifests[ name ] = await service.call( `/v1/tables/${ name }/manifest` );
-	const FIGURES = { Error: ( { report } ) => report.between.width.mean, Light: ( { report } ) => report.between.light.mean, Size: ( { bytes } ) => bytes };
+	const FIGURES = { 'Lobe error': ( { report } ) => report.between.width.mean, 'Light error': ( { report } ) => report.between.light.mean, Size: ( { bytes } ) => bytes };
 	const list = await open( 'tables' );
 	const shown = () => list.locator( '.list tbody th a' ).evaluateAll( ( links ) => links.map( ( { hash } ) => hash.replace( '#/tables/', '' ) ) );
 	await list.waitForFunction( () => document.querySelectorAll( '.list tbody tr' ).length === 3 && ! document.querySelector( '.list tbody' ).textContent.includes( '…' ) );
@@ -65,7 +66,7 @@ await withWorld( async ( { service, open } ) => {
 	await list.locator( '.best' ).first().waitFor();
 	const best = await list.locator( '.compare tbody tr' ).evaluateAll( ( rows ) => Object.fromEntries( rows.map( ( { cells: [ name, ...cells ] } ) => [ name.textContent, cells.map( ( cell ) => cell.classList.contains( 'best' ) && cell.textContent.startsWith( 'best: ' ) ) ] ) ) );
 	const least = ( figure ) => [ digest, coarse, half ].map( ( name, _, names ) => figure( manifests[ name ] ) === Math.min( ...names.map( ( other ) => figure( manifests[ other ] ) ) ) );
-	const winners = Object.entries( { 'Error between nodes, mean': FIGURES.Error, 'Error of light, mean': FIGURES.Light, Size: FIGURES.Size, Entries: ( { entries } ) => entries } ).map( ( [ name, figure ] ) => [ name, best[ name ], least( figure ) ] );
+	const winners = Object.entries( { 'Lobe error, mean': FIGURES[ 'Lobe error' ], 'Light error, mean': FIGURES[ 'Light error' ], Size: FIGURES.Size, Entries: ( { entries } ) => entries } ).map( ( [ name, figure ] ) => [ name, best[ name ], least( figure ) ] );
 
 	// A variation starts from the complete recipe.
 	await list.evaluate( ( hash ) => location.hash = hash, `#/tables/${ half }` );
@@ -109,6 +110,41 @@ await withWorld( async ( { service, open } ) => {
 	await page.getByText( 'errors are not comparable' ).waitFor();
 	const marked = await page.locator( 'tr:has(.best) th' ).allInnerTexts();
 	const named = await page.locator( '.compare select option:checked' ).allInnerTexts();
-	return { empty, written, marked, named, isNewestFirst: String( newest ) === String( [ half, coarse, digest ] ), sorted, found, winners, varied, hovered, keyed, isBrightest, isDarkest, spread: Math.max( ...shades ) - Math.min( ...shades ) };
+	// Different reflectances are not comparable either.
+	const metal = await service.fit( { ...SMALL, fresnel: [ { f0: 1 }, { f0: 0.04 } ] } );
+	await page.evaluate( ( tables ) => location.hash = `#/compare?tables=${ tables }`, [ coarse, metal ] );
+	await page.locator( `.compare a[href="#/tables/${ metal }"]` ).waitFor();
+	await page.getByText( 'errors are not comparable' ).waitFor();
+	marked.push( ...await page.locator( 'tr:has(.best) th' ).allInnerTexts() );
+
+	// A label replaces the name in the list, in menus and after a reload. Only the keyboard is used.
+	await page.evaluate( ( hash ) => location.hash = hash, `#/tables/${ metal }` );
+	await page.getByLabel( 'Label, kept in this browser' ).focus();
+	await page.keyboard.type( 'Blue plastic' );
+	await page.keyboard.press( 'Enter' );
+	await page.getByRole( 'heading', { name: 'Blue plastic' } ).waitFor();
+	await page.reload();
+	const labelled = [ await page.getByRole( 'heading', { level: 1 } ).textContent(), await page.title() ];
+	await page.evaluate( ( tables ) => location.hash = `#/compare?tables=${ tables }`, [ coarse, metal ] );
+	labelled.push( await page.locator( '.compare select' ).nth( 1 ).locator( 'option:checked' ).textContent() );
+	await page.evaluate( () => location.hash = '#/tables' );
+	labelled.push( await page.locator( `.list a[href="#/tables/${ metal }"]` ).textContent() );
+	await page.getByRole( 'button', { name: 'Lobe error' } ).click();
+	await page.getByText( 'errors of different surfaces or ranges are not comparable' ).waitFor();
+
+	// A lookup table has a picture, a report and files for engines. It lights no surface, so nothing else is offered.
+	const dfg = await service.fit( { table: 'dfg', resolution: { roughness: 4, cos_theta: 5 } } );
+	const { report: { stored } } = await service.call( `/v1/tables/${ dfg }/manifest` );
+	const lookup = { row: await page.locator( `tr:has(a[href="#/tables/${ dfg }"])` ).evaluate( ( row ) => [ row.querySelector( 'a' ).textContent, row.querySelectorAll( 'img, input' ).length ] ) };
+	await page.locator( `.list a[href="#/tables/${ dfg }"]` ).click();
+	await page.locator( '.shown img[src]' ).waitFor();
+	lookup.links = await page.locator( '.bar a' ).allTextContents();
+	lookup.hasMean = ( await page.locator( '#quality + div' ).textContent() ).includes( `mean error of a value is ${ Number( stored.mean.toPrecision( 3 ) ) }` );
+	await page.getByText( 'bevy', { exact: true } ).click();
+	lookup.file = await page.locator( '.files a' ).first().textContent();
+	await page.getByRole( 'link', { name: 'Fit a variation' } ).click();
+	await page.getByRole( 'button', { name: 'Open the table' } ).waitFor();
+	lookup.fields = await page.locator( '[id^=field]:visible' ).count();
+	return { labelled, lookup, empty, written, marked, named, isNewestFirst: String( newest ) === String( [ half, coarse, digest ] ), sorted, found, winners, varied, hovered, keyed, isBrightest, isDarkest, spread: Math.max( ...shades ) - Math.min( ...shades ) };
 
 } );

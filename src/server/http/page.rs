@@ -49,7 +49,6 @@ page_files![
     "form/fields.js",
     "form/inputs.js",
     "form/plan.js",
-    "form/tradeoff.js",
     "glsl/blended_lobes.glsl",
     "glsl/covered.glsl",
     "glsl/diffuse.glsl",

@@ -81,8 +81,9 @@ pub trait Queue: Send + Sync + Debug {
     /// When the database fails.
     fn lease(&self, most: NonZeroUsize) -> Result<Vec<LeasedTask>, StoreError>;
 
-    /// Renews leases, and records how many entries of each task are finished. Also ends the expired leases of all
-    /// workers. Returns a result per lease, in order. A worker must stop a task when its lease is stale.
+    /// Renews leases, and records how many entries of each task are finished. Then ends the expired leases of all
+    /// workers. Nothing else ends them, so a process that was suspended renews its own leases first. Returns a result
+    /// per lease, in order. A worker must stop a task when its lease is stale.
     ///
     /// # Errors
     /// When the database fails.

@@ -8,6 +8,7 @@ use std::{
     time::{Duration, Instant},
 };
 
+use bytes::Bytes;
 use serde_json::json;
 use tokio::sync::OwnedSemaphorePermit;
 
@@ -16,11 +17,14 @@ use super::{
     pictures::{CPU, MOST_WAITING},
     state::State,
 };
-use ltcforge_files::digest::Digest;
+use ltcforge_files::{
+    container::{AnyFile, LutFile, decode_any},
+    digest::Digest,
+};
 use ltcforge_fit::Table;
 use ltcforge_view::{
     picture::Picture,
-    plots::{Plot, error_numbers_while},
+    plots::{Plot, draw_lut, error_numbers_while},
     preview::{Adapter, Preview, PreviewError, Scene, ShaderTable, TexelFormat},
 };
 
@@ -147,8 +151,13 @@ impl Request {
                 (png(picture)?, adapter)
             }
             Subject::Plot(plot) => {
-                let (digest, table) = self.measurable_table(matches!(plot, Plot::Error(_)))?;
-                let drawn = plot.draw_while(&|| !is_stopped(), &table, &digest.hex());
+                let lookup_table = if matches!(plot, Plot::Error(_)) { self.lookup_table()? } else { None };
+                let drawn = if let Some((digest, LutFile { recipe, lut })) = lookup_table {
+                    Some(draw_lut(&recipe, &lut, &digest.hex()))
+                } else {
+                    let (digest, table) = self.measurable_table(matches!(plot, Plot::Error(_)))?;
+                    plot.draw_while(&|| !is_stopped(), &table, &digest.hex())
+                };
                 (png(drawn.ok_or_else(|| self.stopped())?)?, CPU.into())
             }
             Subject::Errors(slice) => {
@@ -221,9 +230,21 @@ impl Request {
         Ok((digest, table))
     }
 
+    fn file(&self, digest: Digest) -> Result<Bytes, PictureError> {
+        self.state.files.read(FileKind::Table, digest)?.ok_or(PictureError::UnknownTable(digest))
+    }
+
     fn table(&self, digest: Digest) -> Result<Table, PictureError> {
-        let file = self.state.files.read(FileKind::Table, digest)?.ok_or(PictureError::UnknownTable(digest))?;
-        Ok(self.state.fitter.table(digest, &file)?.table)
+        Ok(self.state.fitter.table(digest, &self.file(digest)?)?.table)
+    }
+
+    /// The table of a plot, if it is a lookup table.
+    fn lookup_table(&self) -> Result<Option<(Digest, LutFile)>, PictureError> {
+        let digest = self.table.ok_or(PictureError::NoTable)?;
+        match decode_any(&self.file(digest)?) {
+            Ok(AnyFile::Lut(lut)) => Ok(Some((digest, lut))),
+            _ => Ok(None),
+        }
     }
 }
 

@@ -37,13 +37,14 @@ pub fn error_numbers_while(go_on: &GoOn, table: &Table, slice: ErrorSlice) -> Op
 }
 
 fn shown(map: &ErrorMap, table: &Table, name: &str) -> Picture {
-    let panels = [("distance, % of the lobe's width", &map.width), ("light, % of the lobe", &map.light)].map(
-        |(title, errors)| {
-            let picture = chart::draw(map, errors, &table.axes);
-            let foot = bar(picture.width, colour, ["0.1 %", "100 %"], &["logarithmic"]);
-            Panel { title, picture, foot }
-        },
-    );
+    let panels =
+        [("lobe error, % of the lobe's width", &map.width), ("light error, % of the lobe's energy", &map.light)].map(
+            |(title, errors)| {
+                let picture = chart::draw(map, errors, &table.axes);
+                let foot = bar(picture.width, colour, ["0.1 %", "100 %"], &["logarithmic"]);
+                Panel { title, picture, foot }
+            },
+        );
     let at = format!("{name}: errors at ratio {}, phi {} rad", number(map.ratio as f32), number(map.phi as f32));
     let how = "alpha is spaced evenly in its square root; short ticks are the table's nodes";
     headed(&[&[&at], &[how]], &grid(&panels, 2))

@@ -7,7 +7,8 @@ use super::{
     shadows, tone,
 };
 use crate::picture::{
-    Panel, Picture, bar, beside, caption, colour, cross, fitting, grid, headed, number, ring, tag, tag_fits,
+    Panel, Picture, bar, beside, caption, colour, cross, fitting, grid, headed, number, ring, signed_colour, tag,
+    tag_fits,
 };
 use ltcforge_light::LightModel;
 
@@ -17,9 +18,32 @@ const BELOW_COLOUR: [u8; 3] = [30, 34, 44];
 /// The side of a panel is this many times the radius of a mark.
 const MARK: f32 = 64.0;
 
-/// Mean of the channels' absolute differences.
-fn difference(a: [f32; 3], b: [f32; 3]) -> f32 {
-    ((a[0] - b[0]).abs() + (a[1] - b[1]).abs() + (a[2] - b[2]).abs()) / 3.0
+/// The fitted scale of a difference exceeds this part of the pixels.
+const MOST: f64 = 0.95;
+/// The least fitted scale.
+const LEAST_SCALE: f64 = 1e-6;
+
+/// Differences of radiance, averaged over the channels. `None` where the surface covers no part of a pixel.
+type Differences = Vec<Option<f32>>;
+
+fn differences(frame: &Frame, lit: &Radiances, reference: &Radiances) -> Differences {
+    let pixels = lit.pixels.iter().zip(&reference.pixels).zip(0..);
+    let differences = pixels.map(|((a, b), index): (_, u32)| {
+        let difference = (a[0] - b[0] + a[1] - b[1] + a[2] - b[2]) / 3.0;
+        cpu::covering(frame, [index % frame.size, index / frame.size]).map(|_| difference)
+    });
+    differences.collect()
+}
+
+/// 1, 2 or 5 times a power of ten: the least such number that [`MOST`] of the differences do not exceed.
+fn fitted_scale<'a>(panels: impl Iterator<Item = &'a Differences>) -> f32 {
+    let mut amounts: Vec<f32> = panels.flatten().flatten().map(|difference| difference.abs()).collect();
+    amounts.sort_by(f32::total_cmp);
+    let at = (MOST * amounts.len().saturating_sub(1) as f64) as usize;
+    let wanted = f64::from(amounts.get(at).copied().unwrap_or_default()).max(LEAST_SCALE);
+    let power = libm::exp10(libm::floor(libm::log10(wanted)));
+    let steps = [1.0, 2.0, 5.0].map(|step| step * power);
+    steps.into_iter().find(|step| *step >= wanted).unwrap_or(10.0 * power) as f32
 }
 
 /// Linear values in false colours. The scale is from zero to `scale`.
@@ -34,9 +58,11 @@ fn false_colours(width: u32, values: impl Iterator<Item = f32>, scale: f32) -> P
     Picture { width, height: rgb.len() as u32 / width, rgb }
 }
 
-fn differences(ltc: &Radiances, reference: &Radiances, scale: f32) -> Picture {
-    let values = ltc.pixels.iter().zip(&reference.pixels).map(|(a, b)| difference(*a, *b));
-    false_colours(ltc.width, values, scale)
+/// Differences in signed colours: blue where the model is too dark, red where it is too bright.
+fn signed_colours(width: u32, differences: &Differences, scale: f32) -> Picture {
+    let colour = |difference: &Option<f32>| difference.map_or(BESIDE_COLOUR, |x| signed_colour(x / scale));
+    let rgb: Vec<[u8; 3]> = differences.iter().map(colour).collect();
+    Picture { width, height: rgb.len() as u32 / width, rgb }
 }
 
 /// A number from 0 to 1, without the zero before its decimal point.
@@ -99,9 +125,16 @@ impl Composer<'_> {
     }
 
     /// The picture of mode `difference` or `strip`.
-    pub(super) fn compared(&self, lit: &Radiances, reference: &Radiances, errors: &[PanelError]) -> Picture {
+    pub(super) fn compared(
+        &self,
+        frame: &Frame,
+        lit: &Radiances,
+        reference: &Radiances,
+        errors: &[PanelError],
+    ) -> Picture {
         let model = self.scene.model;
-        let apart = self.apart(model, lit, reference, errors);
+        let off = differences(frame, lit, reference);
+        let apart = self.apart(model, reference.width, &off, self.scale([&off]), errors);
         if self.scene.mode == Mode::Difference {
             return grid_of(vec![apart], 1);
         }
@@ -109,18 +142,21 @@ impl Composer<'_> {
     }
 
     /// The picture of mode `models`: the reference, and for each model its light above the difference from the
-    /// reference.
+    /// reference. All differences have the same scale.
     pub(super) fn models(
         &self,
+        frame: &Frame,
         lit: &[(LightModel, Radiances)],
         reference: &Radiances,
         errors: &[PanelError],
     ) -> Picture {
         let mut columns = vec![grid_of(vec![self.truth(reference)], 1)];
-        for (model, radiances) in lit {
+        let off: Vec<_> = lit.iter().map(|(_, radiances)| differences(frame, radiances, reference)).collect();
+        let scale = self.scale(&off);
+        for ((model, radiances), off) in lit.iter().zip(&off) {
             let own: Vec<PanelError> = errors.iter().filter(|error| error.model == *model).copied().collect();
             let shown = self.lit(*model, radiances, &own);
-            columns.push(grid_of(vec![shown, self.apart(*model, radiances, reference, &own)], 1));
+            columns.push(grid_of(vec![shown, self.apart(*model, reference.width, off, scale, &own)], 1));
         }
         beside(&columns)
     }
@@ -162,17 +198,24 @@ impl Composer<'_> {
         Titled { title, picture, foot: mean_error(errors, radiances.width) }
     }
 
+    /// The scale of the scene, or the scale that fits the panels.
+    fn scale<'a>(&self, panels: impl IntoIterator<Item = &'a Differences>) -> f32 {
+        let given = self.scene.difference_scale;
+        if given > 0.0 { given as f32 } else { fitted_scale(panels.into_iter()) }
+    }
+
     /// The difference of a model from the reference. The title of a single panel names the table.
-    fn apart(&self, model: LightModel, radiances: &Radiances, reference: &Radiances, errors: &[PanelError]) -> Titled {
-        let (width, scale) = (reference.width, self.scene.difference_scale as f32);
-        let mut picture = differences(radiances, reference, scale);
+    fn apart(&self, model: LightModel, width: u32, off: &Differences, scale: f32, errors: &[PanelError]) -> Titled {
+        let mut picture = signed_colours(width, off, scale);
         self.tag_cells(&mut picture, |index, material| mean_tags(&errors[index], material));
         let short = short_title(model, self.table);
         let is_alone = self.scene.mode == Mode::Difference;
         let long = if is_alone { model_title(model, self.table, width / 2) } else { short.clone() };
-        let titles = [format!("|{long} - reference|"), format!("|{short} - reference|"), "difference".to_owned()];
+        let titles = [format!("{long} - reference"), format!("{short} - reference"), "difference".to_owned()];
         let title = fitting(&titles.each_ref().map(String::as_str), width).to_owned();
-        let foot = bar(width, colour, ["0", &number(scale)], &["|difference| of radiance", "radiance"]);
+        let ends = [format!("-{}", number(scale)), format!("+{}", number(scale))];
+        let both = |place: f32| signed_colour(2.0 * place - 1.0);
+        let foot = bar(width, both, ends.each_ref().map(String::as_str), &["difference of radiance", "radiance"]);
         Titled { title, picture, foot }
     }
 

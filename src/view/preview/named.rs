@@ -47,7 +47,6 @@ impl NamedScene {
                 materials: vec![Material { alpha_x: 0.02, alpha_y: 0.02, rotation: 0.0 }],
                 light: Light { kind: LightKind::Disk, half_size: [0.1, 0.1], intensity: 30.0, ..usual.light },
                 camera: Camera { field_of_view: 0.25, target: [-0.3, 0.25, 0.0], ..usual.camera },
-                difference_scale: 2.0,
                 ..usual
             },
             Self::Horizon => Scene {
@@ -95,7 +94,6 @@ impl NamedScene {
                     target: [0.0, 0.15, 0.0],
                     ..usual.camera
                 },
-                difference_scale: 0.1,
                 ..usual
             },
         }

@@ -118,9 +118,9 @@ pub static PARAMETERS: [Parameter; 30] = [
     number!("exposure", "Factor on the displayed radiance", None, [1e-4, 1e4], exposure),
     number!(
         "difference_scale",
-        "Radiance difference at the end of the colour bar",
+        "Radiance difference at the ends of the colour bar; 0 fits the picture",
         None,
-        [1e-6, 1e4],
+        [0.0, 1e4],
         difference_scale
     ),
 ];

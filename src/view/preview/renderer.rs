@@ -180,7 +180,7 @@ fn attempt(
             let lit = pass.radiances(Estimator::of(scene.model, scene.rule, table))?;
             let reference = pass.radiances(Estimator::Reference)?;
             errors = panel_errors(scene, &frame, scene.model, &lit, &reference);
-            composer.compared(&lit, &reference, &errors)
+            composer.compared(&frame, &lit, &reference, &errors)
         }
         Mode::Models => {
             let reference = pass.radiances(Estimator::Reference)?;
@@ -190,7 +190,7 @@ fn attempt(
                 errors.extend(panel_errors(scene, &frame, model, &radiances, &reference));
                 lit.push((model, radiances));
             }
-            composer.models(&lit, &reference, &errors)
+            composer.models(&frame, &lit, &reference, &errors)
         }
         Mode::Shadows => {
             let panels = shadows::panels(scene, &frame, stop).ok_or(GpuFailure::Stopped)?;

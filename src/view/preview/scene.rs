@@ -48,7 +48,7 @@ pub struct Scene {
     pub compensate: bool,
     /// A factor on the radiance before display.
     pub exposure: f64,
-    /// The radiance difference at the end of the colour bar.
+    /// The radiance difference at the ends of the colour bar; 0 fits the picture.
     pub difference_scale: f64,
 }
 
@@ -266,7 +266,7 @@ impl Default for Scene {
             cut: false,
             compensate: false,
             exposure: 1.0,
-            difference_scale: 0.2,
+            difference_scale: 0.0,
         }
     }
 }

@@ -42,16 +42,23 @@ impl LogAxis {
         all.filter(|tick| (self.low..=self.high).contains(tick)).collect()
     }
 
-    /// The values of [`Self::ticks`]. If some are closer together than `least`, it returns only powers of ten, unless
-    /// there are fewer than two.
+    /// Values of [`Self::ticks`] that are at least `least` apart. Powers of ten come first, then 5, then 2.
     pub(super) fn ticks_apart(&self, least: f64) -> Vec<f64> {
-        let ticks = self.ticks();
-        let is_close = |pair: &[f64]| (self.at(pair[1]) - self.at(pair[0])).abs() < least;
-        if !ticks.windows(2).any(is_close) {
-            return ticks;
+        let mut ticks = self.ticks();
+        ticks.sort_by_key(|tick| match (tick / 10_f64.powf((tick.log10() + 1e-9).floor())).round() as u32 {
+            1 => 0,
+            5 => 1,
+            2 => 2,
+            _ => 3,
+        });
+        let mut kept: Vec<f64> = Vec::new();
+        for tick in ticks {
+            if kept.iter().all(|other| (self.at(*other) - self.at(tick)).abs() >= least) {
+                kept.push(tick);
+            }
         }
-        let decades: Vec<f64> = ticks.iter().copied().filter(|tick| tick.log10().fract().abs() < 1e-9).collect();
-        if decades.len() < 2 { ticks } else { decades }
+        kept.sort_by(f64::total_cmp);
+        kept
     }
 }
 
@@ -84,5 +91,8 @@ mod tests {
         let axis = LogAxis::over(values.into_iter(), [0.0, 100.0]);
         assert_eq!(axis.ticks_apart(1.0), axis.ticks());
         assert_eq!(axis.ticks_apart(30.0), [1e-3, 1e-2]);
+        // Two round numbers close together, on an axis with a single power of ten.
+        let axis = LogAxis::over([520.0, 2150.0].into_iter(), [0.0, 480.0]);
+        assert_eq!(axis.ticks_apart(52.0), [500.0, 600.0, 800.0, 1000.0, 1500.0, 2000.0]);
     }
 }

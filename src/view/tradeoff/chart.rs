@@ -14,10 +14,12 @@ use super::{
 pub(super) const WIDTH: f64 = 480.0;
 const FREE: f64 = 48.0;
 /// The width reserved for the label below a tick.
-const TICK_WIDTH: f64 = 40.0;
+const TICK_WIDTH: f64 = 52.0;
 /// The width of a letter at 13 pixels, and the height of a name.
 const LETTER: f64 = 7.6;
 const NAME_HEIGHT: f64 = 15.0;
+/// The distance of names from the frame.
+const INSET: f64 = 5.0;
 /// The radius of the ring around a preset.
 const RING: f64 = 7.5;
 
@@ -119,10 +121,15 @@ impl Chart {
         let named: Vec<_> = points().filter_map(|(point, at)| Some((point.name.as_ref()?, *at))).collect();
         let (names, places_of): (Vec<&String>, Vec<[f64; 2]>) = named.into_iter().unzip();
         let sizes: Vec<[f64; 2]> = names.iter().map(|name| [LETTER * name.len() as f64, NAME_HEIGHT]).collect();
-        let frame = Area { left: self.left, top: self.line.top, width: WIDTH, height: self.line.height };
+        let frame = Area {
+            left: self.left + INSET,
+            top: self.line.top + INSET,
+            width: WIDTH - 2.0 * INSET,
+            height: self.line.height - 2.0 * INSET,
+        };
         for ((name, [x, y]), area) in names.iter().zip(&places_of).zip(places(&places_of, &sizes, &taken, &frame)) {
             let Some(area) = area else { continue };
-            let near = [x.clamp(area.left, area.left + area.width), y.clamp(area.top, area.top + area.height)];
+            let near = area.near([*x, *y]);
             writeln!(out, r#"<path class="lead" d="M{x:.1} {y:.1}L{:.1} {:.1}"/>"#, near[0], near[1])?;
             writeln!(out, r#"<text class="title" x="{:.1}" y="{:.1}">{name}</text>"#, area.left, area.top + 12.0)?;
         }

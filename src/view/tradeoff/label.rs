@@ -1,4 +1,4 @@
-//! Positions for the names of points. Names cover neither each other nor a point.
+//! Positions for the names of points. Names and the lines to their points cover no other name, and names no point.
 
 /// A rectangle in picture coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,25 +28,59 @@ impl Area {
         Self { left: low(0), top: low(1), width: length(0), height: length(1) }
     }
 
-    /// The squared distance from a point to the centre of this rectangle.
-    fn distance2(&self, [x, y]: [f64; 2]) -> f64 {
-        (self.left + 0.5 * self.width - x).powi(2) + (self.top + 0.5 * self.height - y).powi(2)
+    /// The place in this rectangle that is nearest to a point.
+    pub(super) fn near(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [x.clamp(self.left, self.left + self.width), y.clamp(self.top, self.top + self.height)]
+    }
+
+    /// Whether the line from a point to the nearest place in `name` crosses this rectangle.
+    fn is_crossed(&self, point: [f64; 2], name: &Self) -> bool {
+        let end = name.near(point);
+        let ends = [[self.left, self.left + self.width], [self.top, self.top + self.height]];
+        // The part of the line inside, from 0 to 1.
+        let inside = (0..2).fold([0.0_f64, 1.0], |[enter, leave], axis| {
+            let [low, high] = ends[axis].map(|edge| edge - point[axis]);
+            let way = end[axis] - point[axis];
+            if way == 0.0 {
+                return if low <= 0.0 && high >= 0.0 { [enter, leave] } else { [1.0, 0.0] };
+            }
+            let [a, b] = [low / way, high / way];
+            [enter.max(a.min(b)), leave.min(a.max(b))]
+        });
+        inside[0] <= inside[1]
+    }
+
+    /// The distance from a point to the centre of this rectangle.
+    fn distance(&self, [x, y]: [f64; 2]) -> f64 {
+        (self.left + 0.5 * self.width - x).hypot(self.top + 0.5 * self.height - y)
     }
 }
 
 /// The step between two tried positions.
 const STEP: f64 = 5.0;
+/// The distance that a name may be farther away so that its line crosses one mark less.
+const DETOUR: f64 = 30.0;
 
-/// A position inside `frame` for each point's name: the nearest position that does not cover one of `marks` or another
-/// name. `None` if there is no such position.
+/// A position inside `frame` for each point's name: a near position that does not cover one of `marks` or another name,
+/// and whose line to the point crosses no other name and few marks. `None` if there is no such position.
 pub(super) fn places(points: &[[f64; 2]], sizes: &[[f64; 2]], marks: &[Area], frame: &Area) -> Vec<Option<Area>> {
-    let mut names: Vec<Area> = Vec::new();
+    let mut placed: Vec<([f64; 2], Area)> = Vec::new();
     let found = points.iter().zip(sizes).map(|(point, size)| {
-        let is_free = |area: &Area| names.iter().chain(marks).all(|other| area.overlap(other) == 0.0);
+        let is_free = |area: &Area| {
+            marks.iter().all(|mark| area.overlap(mark) == 0.0)
+                && placed.iter().all(|(other, name)| {
+                    area.overlap(name) == 0.0 && !name.is_crossed(*point, area) && !area.is_crossed(*other, name)
+                })
+        };
         let free = everywhere(frame, *size).filter(is_free);
+        let others: Vec<&Area> = marks.iter().filter(|mark| mark.near(*point) != *point).collect();
+        let cost = |area: &Area| {
+            let crossed = others.iter().filter(|mark| mark.is_crossed(*point, area)).count();
+            area.distance(*point) + DETOUR * crossed as f64
+        };
         // `min_by` returns the first of several equal minima.
-        let place = free.min_by(|a, b| a.distance2(*point).total_cmp(&b.distance2(*point)));
-        names.extend(place);
+        let place = free.map(|area| (cost(&area), area)).min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, area)| area);
+        placed.extend(place.map(|area| (*point, area)));
         place
     });
     found.collect()
@@ -90,6 +124,17 @@ mod tests {
             assert!(area.top + area.height <= frame.top + frame.height, "{area:?}");
             assert!(found[..i].iter().chain(marks).all(|other| area.overlap(other) == 0.0), "{found:?}");
         }
+    }
+
+    #[test]
+    fn a_line_to_a_point_crosses_no_other_name() {
+        let frame = Area { left: 0.0, top: 0.0, width: 200.0, height: 200.0 };
+        // One point above the other. Below both there is room for names, above there is none.
+        let points = [[190.0, 60.0], [190.0, 20.0]];
+        let above = Area { left: 0.0, top: 0.0, width: 200.0, height: 65.0 };
+        let found: Vec<Area> = places(&points, &[[80.0, 15.0]; 2], &[above], &frame).into_iter().flatten().collect();
+        assert_eq!(found.len(), 2);
+        assert!(!found[0].is_crossed(points[1], &found[1]) && !found[1].is_crossed(points[0], &found[0]), "{found:?}");
     }
 
     #[test]

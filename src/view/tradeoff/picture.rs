@@ -20,14 +20,14 @@ const LEFT: [f64; 2] = [64.0, 624.0];
 const LOBES: Line = Line {
     top: 74.0,
     height: 420.0,
-    error_unit: "mean error between nodes, of the lobe's width",
+    error_unit: "mean lobe error between nodes, of the lobe's width",
     error_scale: 1.0,
     most_error: 4.0,
 };
 const LIGHT: Line = Line {
     top: 590.0,
     height: 300.0,
-    error_unit: "mean error of random lights, thousandths",
+    error_unit: "mean light error of random lights, thousandths",
     error_scale: 1e3,
     most_error: f64::INFINITY,
 };
@@ -73,7 +73,7 @@ fn write_picture(out: &mut String, rows: &[FittedRecipe], models: &ModelRows) ->
         Chart {
             line: LOBES,
             left: LEFT[0],
-            title: "Error against seconds",
+            title: "Lobe error against seconds",
             unit: "seconds of the fit, one core per thread",
             points: by_seconds.collect(),
             write_tick: |tick| rounded(tick).to_string(),
@@ -81,7 +81,7 @@ fn write_picture(out: &mut String, rows: &[FittedRecipe], models: &ModelRows) ->
         Chart {
             line: LOBES,
             left: LEFT[1],
-            title: "Error against bytes",
+            title: "Lobe error against bytes",
             unit: "bytes of the numbers on the GPU; diamonds: of the compact form, to ship",
             points: by_bytes.collect(),
             write_tick: bytes,
@@ -97,7 +97,7 @@ fn write_picture(out: &mut String, rows: &[FittedRecipe], models: &ModelRows) ->
         Chart {
             line: LIGHT,
             left: LEFT[1],
-            title: "Light against bytes",
+            title: "Light error against bytes",
             unit: "bytes of the numbers on the GPU",
             points: light_by_bytes.collect(),
             write_tick: bytes,

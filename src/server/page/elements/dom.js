@@ -58,14 +58,19 @@ export function facts( pairs ) {
 
 /** An error message. */
 export const notice = ( text ) => el( 'p', { class: 'notice', role: 'alert' }, text );
+
 /** A paragraph of secondary text. */
 export const muted = ( ...children ) => el( 'p', { class: 'muted' }, children );
+
 /** A link that looks like a button. */
 export const button = ( href, text, kind = 'button' ) => el( 'a', { class: kind, href }, text );
+
 /** A section of a page with its heading. */
 export const section = ( id, heading, ...children ) => el( 'section', { 'aria-labelledby': id }, el( 'h2', { id }, heading ), children );
+
 /** The heading of a page. `start` follows it on the same line, and `end` is at the right end of the line. */
 export const bar = ( heading, start, ...end ) => el( 'div', { class: 'bar' }, el( 'h1', {}, heading ), start, el( 'span', { class: 'grow' } ), end );
+
 /** The header row of a table. */
 export const headings = ( ...names ) => el( 'tr', {}, names.map( ( name ) => el( 'th', { scope: 'col' }, name ) ) );
 

@@ -9,8 +9,10 @@ export function number( value ) {
 
 /** An integer with commas between thousands. */
 export const whole = ( count ) => count.toLocaleString( 'en' );
+
 /** A fraction in percent. */
 export const percent = ( part, digits = 1 ) => `${ ( 100 * part ).toFixed( digits ) } %`;
+
 /** An angle in whole degrees. */
 export const degrees = ( radians ) => `${ Math.round( radians * 180 / Math.PI ) }°`;
 

@@ -20,6 +20,7 @@ export const STARTS = {
 	'metals and dielectrics, anisotropic': { preset: 'standard', fresnel: 'two_lobes' },
 	'brushed metal on phones': { preset: 'paper', precision: 'f16', range: { alpha: [ 0.05, 0.4 ], ratio: [ 0.2, 1 ] }, resolution: { alpha: 7, ratio: 5, theta: 8, phi: 6 } },
 	'isotropic surfaces, one kilobyte': { preset: 'paper', precision: 'f16', range: { ratio: [ 1, 1 ], phi: [ 0, 0 ] }, resolution: { alpha: 9, ratio: 1, theta: 8, phi: 1 } },
+	'split sum: BRDF lookup table (DFG)': { table: 'dfg' },
 	'glTF sheen': { preset: 'paper', brdf: 'charlie_neubelt', range: { alpha: [ 0.0049, 1 ] }, resolution: { alpha: 24, theta: 32 }, precision: 'f16' },
 };
 

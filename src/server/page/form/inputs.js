@@ -5,8 +5,10 @@ import { number } from '../elements/format.js';
 
 /** Number of steps of a slider. The last position is exactly the maximum. */
 const STEPS = 200;
+
 /** Parses a number. JSON writes NaN as null, which the service rejects. */
 const numberOf = ( text ) => text.trim() === '' ? NaN : Number( text );
+
 /** Whether the user is editing an input. The page must not change its text then. */
 const isEdited = ( input ) => document.activeElement === input;
 

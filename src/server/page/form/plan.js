@@ -33,7 +33,7 @@ export function planner( signal, take ) {
 			const type = /\.json$/i.test( name ) ? 'application/json' : 'model/gltf-binary';
 			const { summary, plan } = await call( `/v1/plans${ query }`, { method: 'POST', raw: scene, type, signal } );
 			if ( turn !== asked ) return;
-			const offers = plan.tables.map( ( { recipe, predicted } ) => el( 'button', { type: 'button', class: 'quiet', onclick: () => take( ownRecipe( recipe ) ) }, `${ recipe.brdf }: ${ bytes( predicted.bytes ) }, ${ percent( predicted.error ) }, ${ span( predicted.seconds ) }` ) );
+			const offers = plan.tables.map( ( { recipe, predicted, error_of } ) => el( 'button', { type: 'button', class: 'quiet', onclick: () => take( ownRecipe( recipe ) ) }, `${ recipe.brdf }: ${ bytes( predicted.bytes ) }, ${ error_of } error ${ percent( predicted.error ) } on the scene, ${ span( predicted.seconds ) }` ) );
 			fill( output, el( 'p', {}, name ), summary.map( ( line ) => muted( line ) ), el( 'p', { class: 'actions' }, offers ) );
 			if ( plan.tables.length ) take( ownRecipe( plan.tables[ 0 ].recipe ) );
 		} catch ( error ) {

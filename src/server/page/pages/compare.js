@@ -2,7 +2,7 @@
 
 import { bar, el, fill } from '../elements/dom.js';
 import { bytes, number, percent, whole } from '../elements/format.js';
-import { isIsotropic, nameOf, title } from '../elements/recipe.js';
+import { domain, isIsotropic, isLookup, labelOf, nameOf, title } from '../elements/recipe.js';
 import { firstTable } from '../report/first.js';
 import { call, manifest } from '../service/api.js';
 import { load, previewOf } from '../service/pictures.js';
@@ -12,20 +12,19 @@ const MOST = 3;
 
 /** Figures of a table: label, value and format. Smaller is better. */
 const FIGURES = [
-	[ 'Error between nodes, mean', ( { report } ) => report.between.width.mean, percent ],
-	[ 'Error between nodes, 95th percentile', ( { report } ) => report.between.width.p95, percent ],
-	[ 'Error between nodes, largest', ( { report } ) => report.between.width.max, percent ],
-	[ 'Error of light, mean', ( { report } ) => report.between.light.mean, ( part ) => percent( part, 2 ) ],
-	[ 'Error of light, largest', ( { report } ) => report.between.light.max, ( part ) => percent( part, 2 ) ],
-	[ 'Error of amplitude, mean', ( { report } ) => report.between.amplitude?.mean, number ],
-	[ 'Error at nodes, mean', ( { report } ) => report.nodes.width.mean, percent ],
+	[ 'Lobe error, mean', ( { report } ) => report.between.width.mean, percent ],
+	[ 'Lobe error, 95th percentile', ( { report } ) => report.between.width.p95, percent ],
+	[ 'Lobe error, largest', ( { report } ) => report.between.width.max, percent ],
+	[ 'Light error, mean', ( { report } ) => report.between.light.mean, ( part ) => percent( part, 2 ) ],
+	[ 'Light error, largest', ( { report } ) => report.between.light.max, ( part ) => percent( part, 2 ) ],
+	[ 'Amplitude error, mean', ( { report } ) => report.between.amplitude?.mean, number ],
+	[ 'Lobe error at nodes, mean', ( { report } ) => report.nodes.width.mean, percent ],
 	[ 'Size', ( table ) => table.bytes, bytes ],
 	[ 'Entries', ( table ) => table.entries, whole ],
 ];
 
-/** Sizes are comparable for all tables. Errors are comparable for one scattering model, one reflectance and one range of roughnesses. */
+/** Sizes are comparable for all tables. Errors are comparable for one scattering model, one reflectance and one range. */
 const SIZES = [ 'Size', 'Entries' ];
-const domain = ( { recipe: { brdf, fresnel, range, materials } } ) => JSON.stringify( [ brdf, fresnel, range, materials ] );
 
 /** A row of figures. The best value is marked. */
 function figures( name, values, write, isComparable ) {
@@ -37,22 +36,24 @@ function figures( name, values, write, isComparable ) {
 
 export async function show( root, rest, parameters, signal ) {
 	const { items } = await call( '/v1/tables?limit=200', { signal } );
-	const known = items.map( ( { digest } ) => digest );
+	const known = items.filter( ( { recipe } ) => recipe && ! isLookup( recipe ) ).map( ( { digest } ) => digest );
 	const asked = ( parameters.get( 'tables' ) || '' ).split( ',' ).filter( Boolean ).slice( 0, MOST );
 	const digests = asked.length ? asked : known.slice( 0, 2 );
 	const tables = await Promise.all( digests.map( manifest ) );
+	if ( tables.some( ( { recipe } ) => isLookup( recipe ) ) ) throw new Error( 'this page compares tables that light surfaces; open the page of a lookup table to see its errors' );
+	const recipes = new Map( [ ...items.map( ( { digest, recipe } ) => [ digest, recipe ] ), ...tables.map( ( { table, recipe } ) => [ table, recipe ] ) ] );
 	const options = [ ...new Set( [ ...digests, ...known ] ) ];
 	const choices = Array.from( { length: Math.min( MOST, digests.length + 1 ) }, ( _, i ) => el( 'select', { 'aria-label': `Table ${ i + 1 }`, onchange: choose },
 		el( 'option', { value: '' }, i < digests.length ? 'remove' : 'add a table…' ),
-		options.map( ( digest ) => el( 'option', { value: digest, selected: digest === digests[ i ] }, nameOf( items.find( ( item ) => item.digest === digest ) ?? { digest } ) ) ) ) );
+		options.map( ( digest ) => el( 'option', { value: digest, selected: digest === digests[ i ] }, nameOf( { digest, recipe: recipes.get( digest ) } ) ) ) ) );
 
 	function choose() {
 		const chosen = [ ...new Set( choices.map( ( { value } ) => value ).filter( Boolean ) ) ];
 		location.hash = chosen.length ? `#/compare?tables=${ chosen.join( ',' ) }` : '#/compare';
 	}
-	const isOneDomain = new Set( tables.map( domain ) ).size < 2;
+	const isOneDomain = new Set( tables.map( ( { recipe } ) => domain( recipe ) ) ).size < 2;
 	const added = known.length > digests.length ? choices.slice( digests.length ) : null;
-	fill( root, bar( 'Compare', el( 'span', { class: 'muted' }, isOneDomain ? 'the best value of each row is marked' : 'errors are not comparable: the tables are for different scattering models, reflectances or ranges' ), added ) );
+	fill( root, bar( 'Compare', el( 'span', { class: 'muted' }, tables.length < 2 ? 'choose two or three tables' : isOneDomain ? 'the best value of each row is marked' : 'errors are not comparable: the tables are for different scattering models, reflectances or ranges' ), added ) );
 	if ( ! known.length ) {
 		root.append( firstTable( signal ) );
 		return null;
@@ -69,7 +70,7 @@ export async function show( root, rest, parameters, signal ) {
 	root.append( el( 'div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Comparison' }, el( 'table', { class: 'compare' },
 		el( 'thead', {},
 			el( 'tr', {}, el( 'th', { scope: 'col' }, 'Table' ), digests.map( ( _, i ) => el( 'th', { scope: 'col' }, choices[ i ] ) ) ),
-			el( 'tr', {}, el( 'td' ), tables.map( ( { table, recipe } ) => el( 'td', {}, el( 'a', { href: `#/tables/${ table }` }, title( recipe ) ) ) ) ) ),
+			el( 'tr', {}, el( 'td' ), tables.map( ( { table, recipe } ) => el( 'td', {}, el( 'a', { href: `#/tables/${ table }` }, labelOf( table ) || title( recipe ) ) ) ) ) ),
 		el( 'tbody', {}, FIGURES.map( ( [ name, pick, write ] ) => figures( name, tables.map( pick ), ( value ) => write( value ), isOneDomain || SIZES.includes( name ) ) ),
 			pictures( isRound ? 'Sphere, alpha 0.2' : 'Sphere, alpha 0.5, 0.1', 'A sphere lit by', 256, ( { recipe, table } ) => previewOf( isRound ? { ...recipe, range: { ratio: [ 1 ] } } : recipe, table, 512 ) ),
 			pictures( 'Errors', 'Errors of', 320, ( table ) => plot( table, `error.png${ isIsotropic( table.recipe ) ? '' : '?ratio=0.25&phi=0.7' }` ) ),

@@ -2,7 +2,7 @@
 
 import { button, el, facts, fill, notice } from '../elements/dom.js';
 import { percent, span, whole } from '../elements/format.js';
-import { recipeSection, title, variation } from '../elements/recipe.js';
+import { expectedError, recipeSection, title, variation } from '../elements/recipe.js';
 import { call } from '../service/api.js';
 import { follow, isActive } from '../service/jobs.js';
 
@@ -47,7 +47,7 @@ export async function show( root, id, parameters, signal ) {
 			[ 'Entries', `${ whole( progress.entries_done ) } of ${ whole( progress.entries_total ) }` ],
 			expected && [ 'Shards', whole( expected.shards ) ],
 			expected && [ 'Expected time', span( expected.seconds ) ],
-			expected && [ 'Expected error', percent( expected.error ) ],
+			expected && expectedError( job.recipe, expected.error ),
 			job.started_at && job.finished_at && [ 'Duration', span( ( Date.parse( job.finished_at ) - Date.parse( job.started_at ) ) / 1000 ) ],
 			[ 'Attempts', job.attempts ],
 			[ 'Submitted', new Date( job.created_at ).toLocaleString() ],

@@ -2,13 +2,14 @@
 
 import { bar as titled, button, el, fill, headings, notice } from '../elements/dom.js';
 import { age } from '../elements/format.js';
-import { title } from '../elements/recipe.js';
+import { labelOf, title } from '../elements/recipe.js';
 import { call } from '../service/api.js';
 import { isActive } from '../service/jobs.js';
 import { badge, bar, cancelButton } from './job.js';
 
 /** Milliseconds between two requests for the list: with active jobs, and without. */
 const [ BUSY, IDLE ] = [ 1500, 10_000 ];
+
 /** Number of jobs per page of the list, and the maximum number in a refresh. */
 const [ PAGE, MOST ] = [ 50, 1000 ];
 
@@ -39,7 +40,7 @@ export async function show( root, rest, parameters, signal ) {
 		const focusedTag = row.contains( document.activeElement ) && document.activeElement.tagName;
 		fill( row,
 			el( 'td', {}, badge( job.state ) ),
-			el( 'th', { scope: 'row' }, el( 'a', { href: `#/jobs/${ job.id }` }, title( job.recipe ) ) ),
+			el( 'th', { scope: 'row' }, el( 'a', { href: `#/jobs/${ job.id }` }, labelOf( job.table ) || title( job.recipe ) ) ),
 			el( 'td', {}, outcome( job, update, failed ) ),
 			el( 'td', { class: 'number' }, el( 'time', { datetime: job.created_at, title: new Date( job.created_at ).toLocaleString() }, age( job.created_at ) ) ) );
 		if ( focusedTag ) row.querySelector( focusedTag )?.focus();

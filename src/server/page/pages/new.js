@@ -4,18 +4,18 @@
 // not need to know the defaults.
 
 import { copyButton, el, facts, fill, muted, notice } from '../elements/dom.js';
-import { bytes, percent, short, span, whole } from '../elements/format.js';
-import { formOf } from '../elements/recipe.js';
+import { bytes, short, span, whole } from '../elements/format.js';
+import { expectedError, formOf, isLookup } from '../elements/recipe.js';
 import { documentField, parsed } from '../form/document.js';
 import { get, groupsOf, set, STARTS } from '../form/fields.js';
 import { input } from '../form/inputs.js';
 import { planner } from '../form/plan.js';
-import { tradeoff } from '../form/tradeoff.js';
 import { address, call, constant } from '../service/api.js';
 import { hasToken } from '../service/token.js';
 
 /** Milliseconds without a change before the page requests a forecast. */
 const PAUSE = 120;
+
 /** Quotes any text as one word for a shell. Recipes can come from untrusted links. */
 const quoted = ( text ) => `'${ text.replaceAll( "'", "'\\''" ) }'`;
 
@@ -40,13 +40,14 @@ export async function show( root, rest, parameters, signal ) {
 	let recipe = initial( parameters );
 	let timer = 0;
 	let asked = 0;
+
 	/** The last complete recipe. While the document has errors, missing values are taken from it. */
 	let filled = null;
 	const groups = groupsOf( schema ).map( ( { name, fields } ) => ( { name, inputs: fields.map( ( field ) => input( field, ( value ) => change( field, value ) ) ) } ) );
 	const inputs = groups.flatMap( ( { inputs } ) => inputs );
 	// Fields for one layout stay hidden until the service has returned the recipe's layout.
 	for ( const { field, row } of inputs ) row.hidden = Boolean( field.layout );
-	const presets = schema.properties.preset.enum.map( ( value ) => el( 'label', {}, el( 'input', { type: 'radio', name: 'preset', value, onchange: () => change( { pointer: '/preset' }, value ) } ), value ) );
+	const presets = schema.properties.preset.enum.map( ( value ) => el( 'label', {}, el( 'input', { type: 'radio', name: 'preset', value, onchange: () => isLookup( recipe ) ? take( { preset: value } ) : change( { pointer: '/preset' }, value ) } ), value ) );
 	const expected = el( 'div', { 'aria-live': 'polite' } );
 	const others = el( 'div' );
 	const entered = documentField( take, () => submit.disabled = true );
@@ -55,8 +56,8 @@ export async function show( root, rest, parameters, signal ) {
 	const reset = el( 'button', { type: 'button', class: 'quiet', onclick: () => take( { preset: recipe.preset || 'standard' } ) }, 'Back to the preset' );
 	const answer = el( 'div' );
 	const starts = el( 'select', { id: 'start', 'aria-label': 'Engine or use', onchange: () => take( { ...STARTS[ starts.value ] } ) }, el( 'option', { value: '', disabled: true, selected: true }, 'Choose…' ), Object.keys( STARTS ).map( ( name ) => el( 'option', {}, name ) ) );
-	const chart = tradeoff( signal );
 	const single = ( legend, content ) => el( 'fieldset', { class: 'single' }, el( 'legend', {}, legend ), content );
+	const fields = el( 'div', {}, groups.map( ( { name, inputs } ) => el( 'fieldset', {}, el( 'legend', {}, name ), inputs.map( ( { row } ) => row ) ) ) );
 	const copied = ( heading, read ) => el( 'div', { class: 'bar' }, el( 'h2', {}, heading ), copyButton( 'Copy', read ) );
 	fill( root,
 		el( 'h1', {}, 'New table' ),
@@ -65,10 +66,10 @@ export async function show( root, rest, parameters, signal ) {
 				single( 'For which engine or use?', starts ),
 				single( 'From a scene', planner( signal, take ) ),
 				single( 'Preset', el( 'div', { class: 'presets' }, presets ) ),
-				groups.map( ( { name, inputs } ) => el( 'fieldset', {}, el( 'legend', {}, name ), inputs.map( ( { row } ) => row ) ) ),
+				fields,
 				answer, el( 'p', { class: 'actions' }, submit, reset ) ),
 			el( 'aside', { 'aria-label': 'Forecast' },
-				el( 'h2', {}, 'Forecast' ), expected, others, chart.root,
+				el( 'h2', {}, 'Forecast' ), expected, others,
 				copied( 'Recipe', entered.text ), muted( 'Edit the recipe, or paste another recipe. It can contain fields that the form does not show.' ), entered.root,
 				copied( 'Submit with curl', () => curl.textContent ), curl ) ) );
 
@@ -86,7 +87,9 @@ export async function show( root, rest, parameters, signal ) {
 
 	function changed() {
 		entered.show( recipe );
-		for ( const radio of root.querySelectorAll( '[name=preset]' ) ) radio.checked = radio.value === ( recipe.preset ?? ( recipe.fit ? '' : 'standard' ) );
+		for ( const radio of root.querySelectorAll( '[name=preset]' ) ) radio.checked = radio.value === ( recipe.preset ?? ( recipe.fit || recipe.table ? '' : 'standard' ) );
+		// Lookup tables have other fields. They are edited as JSON.
+		fields.hidden = isLookup( recipe );
 		fill( curl, curlOf( recipe ) );
 		// The address contains the recipe, so reloading the page keeps it.
 		history.replaceState( null, '', formOf( recipe ) );
@@ -127,11 +130,10 @@ export async function show( root, rest, parameters, signal ) {
 		if ( complete || filled ) fillIn( complete || filled );
 		fill( others, problem && ! problem.errors?.length ? notice( problem.detail ) : null, [ ...faults ].map( ( { pointer, detail } ) => notice( `${ pointer || 'the document' }: ${ detail }` ) ) );
 		submit.disabled = Boolean( problem ) || entered.isRefused();
-		chart.show( forecast );
 		fill( submit, table ? 'Open the table' : 'Submit' );
 		fill( expected, complete ? facts( [
 			[ 'Time', table ? 'already fitted' : forecast ? span( forecast.seconds ) : '–' ],
-			[ 'Error', forecast ? percent( forecast.error ) : '–' ],
+			forecast && expectedError( complete, forecast.error ),
 			[ 'Size', forecast ? bytes( forecast.bytes ) : '–' ],
 			[ 'Entries', whole( entries ) ],
 			[ 'Digest', el( 'code', {}, short( recipe_digest ) ) ],

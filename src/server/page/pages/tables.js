@@ -2,26 +2,31 @@
 
 import { bar, button, el, fill } from '../elements/dom.js';
 import { age, bytes, percent, short } from '../elements/format.js';
-import { nameOf } from '../elements/recipe.js';
+import { domain, isLookup, labelOf, wholeTitle } from '../elements/recipe.js';
 import { call } from '../service/api.js';
 import { load, previewOf } from '../service/pictures.js';
 import { firstTable } from '../report/first.js';
 
 /** Number of tables per page of the list. */
 const PAGE = 200;
+
 /** Milliseconds between two requests for the list. */
 const AGAIN = 5000;
+
 /** Pixels per side of a picture, enough for screens with double pixel density. */
 const PICTURE = 96;
 
 /** The columns: name, value to sort by, and tooltip. */
 const COLUMNS = [
 	[ 'Table', ( row ) => row.title ],
-	[ 'Error', ( row ) => row.error, 'Mean error between nodes, as a fraction of the lobe’s width' ],
-	[ 'Light', ( row ) => row.light, 'Mean error of the reflected light of square lights, as a fraction of the lobe’s energy' ],
+	[ 'Lobe error', ( row ) => row.error, 'Mean error of a lobe between nodes, relative to the width of the lobe' ],
+	[ 'Light error', ( row ) => row.light, 'Mean error of the reflected light of square lights, relative to the energy of the lobe' ],
 	[ 'Size', ( row ) => row.bytes ],
 	[ 'Age', ( row ) => - Date.parse( row.created_at ) ],
 ];
+
+/** Columns with errors, which are comparable only for the same surfaces. */
+const ERRORS = [ 1, 2 ];
 
 const hidden = ( text, tag = 'span' ) => el( tag, { class: 'hidden' }, text );
 
@@ -49,19 +54,21 @@ export async function show( root, rest, parameters, signal ) {
 
 	function add( item ) {
 		if ( rows.has( item.digest ) ) return;
-		const [ digits, name ] = [ short( item.digest ), nameOf( item ).replace( / · [^·]*$/, '' ) ];
+		const [ digits, label, title ] = [ short( item.digest ), labelOf( item.digest ), item.recipe ? wholeTitle( item.recipe ) : 'table' ];
+		const isLit = item.recipe && ! isLookup( item.recipe );
+		const name = label || title;
 		const link = el( 'a', { href: `#/tables/${ item.digest }` }, name );
-		const picture = el( 'img', { alt: '', width: 48, height: 48 } );
+		const picture = isLit && el( 'img', { alt: '', width: 48, height: 48 } );
 		const cell = ( column, ...content ) => el( 'td', { class: 'number', 'data-name': column }, content );
-		const choose = el( 'input', { type: 'checkbox', 'aria-label': `Compare ${ digits }: ${ name }`, onchange: () => pick( item.digest, choose.checked ) } );
-		const row = el( 'tr', {}, el( 'td', { class: 'picture' }, picture ), el( 'th', { scope: 'row' }, link, el( 'code', { class: 'muted' }, digits ) ),
-			cell( 'Error', item.errors ? percent( item.errors.width ) : '–' ), cell( 'Light', item.errors ? percent( item.errors.light, 2 ) : '–' ),
+		const choose = isLit && el( 'input', { type: 'checkbox', 'aria-label': `Compare ${ digits }: ${ name }`, onchange: () => pick( item.digest, choose.checked ) } );
+		const row = el( 'tr', {}, el( 'td', { class: 'picture' }, picture ), el( 'th', { scope: 'row' }, link, el( 'span', { class: 'muted' }, label && `${ title } · `, el( 'code', {}, digits ) ) ),
+			cell( 'Lobe error', item.errors ? percent( item.errors.width ) : '–' ), cell( 'Light error', item.errors ? percent( item.errors.light, 2 ) : '–' ),
 			cell( 'Size', bytes( item.bytes ) ),
 			cell( 'Age', el( 'time', { datetime: item.created_at, title: new Date( item.created_at ).toLocaleString() }, age( item.created_at ) ) ),
 			el( 'td', { class: 'choose' }, choose ) );
 		// Tables without errors are sorted after all others.
-		rows.set( item.digest, { ...item, row, title: name, error: item.errors?.width ?? Infinity, light: item.errors?.light ?? Infinity } );
-		if ( item.recipe ) load( picture, previewOf( item.recipe, item.digest, PICTURE ), signal );
+		rows.set( item.digest, { ...item, row, title: `${ label } ${ title }`.trim(), domain: item.errors && domain( item.recipe ), error: item.errors?.width ?? Infinity, light: item.errors?.light ?? Infinity } );
+		if ( isLit ) load( picture, previewOf( item.recipe, item.digest, PICTURE ), signal );
 	}
 
 	function pick( digest, isChosen ) {
@@ -83,7 +90,8 @@ export async function show( root, rest, parameters, signal ) {
 		} );
 		// Unchanged rows keep the focus.
 		if ( body.children.length !== found.length || found.some( ( { row }, i ) => body.children[ i ] !== row ) ) fill( body, found.map( ( { row } ) => row ) );
-		fill( count, found.length === rows.size ? `${ rows.size }${ next ? ' and more' : '' }` : `${ found.length } of ${ rows.size }` );
+		const isMixed = ERRORS.includes( order.column ) && new Set( found.map( ( row ) => row.domain ).filter( Boolean ) ).size > 1;
+		fill( count, found.length === rows.size ? `${ rows.size }${ next ? ' and more' : '' }` : `${ found.length } of ${ rows.size }`, isMixed && '; errors of different surfaces or ranges are not comparable' );
 		if ( rows.size === 0 && ! empty ) root.append( empty = firstTable( signal ) );
 		if ( empty ) empty.hidden = rows.size > 0;
 		list.hidden = rows.size === 0;

@@ -2,7 +2,7 @@
 
 import { el, fill, muted, notice, section } from '../elements/dom.js';
 import { bytes, short } from '../elements/format.js';
-import { ENGINES, formOf } from '../elements/recipe.js';
+import { ENGINES, formOf, isLookup } from '../elements/recipe.js';
 import { address, call, reach } from '../service/api.js';
 import { hasToken } from '../service/token.js';
 import { saveAs } from '../service/zip.js';
@@ -23,6 +23,7 @@ function files( digest, name, signal ) {
 	const inside = el( 'div', {}, muted( 'Making the files…' ) );
 	const details = el( 'details', { ontoggle: open }, el( 'summary', {}, name ), inside );
 	let request = null;
+
 	function open() {
 		if ( ! details.open ) return;
 		request ??= call( `/v1/tables/${ digest }/exports/${ name }`, { signal } ).then( showFiles, ( error ) => {
@@ -42,14 +43,16 @@ function files( digest, name, signal ) {
 	return details;
 }
 
+/** Exports that are for no engine. */
+const FORMATS = /\.|^png$|^compact|-half$/;
+
 /** The section with all exports of a table. */
-export function downloads( digest, signal ) {
+export function downloads( digest, recipe, signal ) {
 	const list = el( 'div' );
 	const showExports = ( { items } ) => {
-		// Names of formats contain a dot or a dash. Names of engines do not.
-		const [ engines, others ] = [ false, true ].map( ( isFormat ) => items.filter( ( { name } ) => /[.-]/.test( name ) === isFormat ).map( ( { name } ) => files( digest, name, signal ) ) );
+		const [ engines, others ] = [ false, true ].map( ( isFormat ) => items.filter( ( { name } ) => FORMATS.test( name ) === isFormat ).map( ( { name } ) => files( digest, name, signal ) ) );
 		// An engine that reads another layout needs another table. Its recipe is the standard table in this layout.
-		const missing = ENGINES.filter( ( [ known ] ) => items.every( ( { name } ) => name !== known ) );
+		const missing = isLookup( recipe ) ? [] : ENGINES.filter( ( [ known ] ) => items.every( ( { name } ) => name !== known ) );
 		fill( list, engines, missing.length > 0 && muted( 'These engines read other layouts; fit a table for ', missing.map( ( [ , label, layout ], i ) => [ i ? ', ' : '', el( 'a', { href: formOf( { preset: 'standard', layout } ) }, label ) ] ), '.' ), el( 'details', { class: 'group' }, el( 'summary', {}, `Other formats (${ others.length })` ), el( 'div', { class: 'inner' }, others ) ) );
 	};
 	call( `/v1/tables/${ digest }/exports`, { signal } ).then( showExports, ( error ) => signal.aborted || fill( list, notice( error.message ) ) );

@@ -7,11 +7,14 @@ import { call } from '../service/api.js';
 /** Errors at both ends of the logarithmic colour scale. */
 const ENDS = [ 1e-3, 1 ];
 const MAPS = { width: 'Lobe error, % of the lobe’s width', light: 'Light error, % of the lobe’s energy' };
+
 /** Columns and rows by which an arrow key moves the selection. Alpha increases upwards. */
 const KEYS = { ArrowLeft: [ - 1, 0 ], ArrowRight: [ 1, 0 ], ArrowUp: [ 0, 1 ], ArrowDown: [ 0, - 1 ] };
 const clamped = ( x, most = 1 ) => Math.min( most, Math.max( 0, x ) );
+
 /** A row of texts. An empty text becomes the colour ramp. */
 const row = ( kind, ...parts ) => el( 'div', { class: `${ kind } muted` }, parts.map( ( part ) => el( 'span', part === '' ? { class: 'ramp' } : {}, part ) ) );
+
 /** Linear colours of the scale at equal steps, from black to pale yellow. They are the same as in `view::picture`. */
 const STOPS = [ [ 0, 0, 0.004 ], [ 0.1, 0.004, 0.2 ], [ 0.5, 0.038, 0.12 ], [ 0.95, 0.26, 0.012 ], [ 0.98, 0.97, 0.45 ] ];
 

@@ -3,8 +3,10 @@
 import { anotherThan, authorization } from './token.js';
 
 const BASE = new URL( '.', document.baseURI );
+
 /** Milliseconds between checks of the service: while it does not respond, and while it responds. Hidden pages check only while it does not respond. */
 const [ RETRY, WATCH ] = [ 1500, 5000 ];
+
 /** The absolute address of a path such as `/v1/jobs`. A prefix in the page's own address is kept. */
 export const address = ( path ) => new URL( path.replace( /^\//, '' ), BASE ).href;
 
@@ -64,6 +66,7 @@ export function constant( path ) {
 export const manifest = ( digest ) => constant( `/v1/tables/${ digest }/manifest` );
 
 let awaited = null;
+
 /** Whether the service responds. */
 export const isUp = () => fetch( address( '/healthz' ) ).then( ( { ok } ) => ok, () => false );
 

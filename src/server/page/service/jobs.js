@@ -52,6 +52,7 @@ export function follow( id, signal, onJob ) {
 	}
 	const onVisibility = () => document.hidden ? close() : open();
 	const ended = new AbortController();
+
 	function end() {
 		close();
 		ended.abort();

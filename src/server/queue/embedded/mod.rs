@@ -94,13 +94,7 @@ impl Queue for EmbeddedQueue {
         if state.is_closed {
             return Ok(vec![]);
         }
-        if state.is_idle() {
-            state.put_back_expired(steady);
-        }
-        let leased = state.lease(most.get(), steady + self.limits.lease_ttl, now);
-        drop(state);
-        self.try_to_fail_doomed();
-        Ok(leased)
+        Ok(state.lease(most.get(), steady + self.limits.lease_ttl, now))
     }
 
     fn renew(&self, leases: &[(Lease, u64)]) -> Result<Vec<Result<(), StaleLease>>, StoreError> {

@@ -86,11 +86,6 @@ impl Queue for PostgresQueue {
         if *self.is_closed.lock().unwrap_or_else(PoisonError::into_inner) {
             return Ok(vec![]);
         }
-        let leased = self.lease_waiting(most)?;
-        if !leased.is_empty() {
-            return Ok(leased);
-        }
-        self.put_back_expired()?;
         self.lease_waiting(most)
     }
 

@@ -166,6 +166,26 @@ pub(super) fn lost_results_are_fitted_again<W: World>() {
     assert_eq!(world.queue().results(&assembly.lease).unwrap()[1], result(&again[0]).into_bytes());
 }
 
+pub(super) fn a_suspended_process_keeps_its_leases<W: World>() {
+    let Some(world) = W::new(LIMITS) else { return };
+    let id = submit(world.queue(), new_job("a", 1, 1.0));
+    for _ in 0..2 {
+        let task = lease(world.queue(), 1).pop().unwrap();
+        for _ in 0..3 {
+            // After a pause that is longer than a lease, an idle worker may ask for a task before leases are renewed.
+            world.pass(100);
+            assert!(lease(world.queue(), 1).is_empty());
+            assert_eq!(world.queue().renew(&[(task.lease, 0)]).unwrap(), [Ok(())]);
+        }
+        assert_eq!((world.queue().job(id).unwrap().unwrap().attempts, world.queue().failures()), (1, (0, 0)));
+        match task.kind {
+            TaskKind::Shard(_) => complete(world.queue(), &[task]),
+            TaskKind::Assemble => world.queue().finish(&task.lease, Digest::of(b""), Batch::default()).unwrap(),
+        }
+    }
+    assert_eq!(world.queue().job(id).unwrap().unwrap().attempts, 1);
+}
+
 pub(super) fn statistics_and_pages_agree_with_the_jobs<W: World>() {
     let Some(world) = W::new(Limits { jobs: 4, ..LIMITS }) else { return };
     let ids: Vec<_> = (0..4).map(|n| submit(world.queue(), new_job(&n.to_string(), 2, 1.5))).collect();

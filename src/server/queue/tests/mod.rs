@@ -29,6 +29,7 @@ macro_rules! every_queue {
 every_queue!(
     cases::a_failed_job_keeps_its_finished_shards_if_its_shards_are_the_same,
     cases::a_job_is_found_by_its_table_until_it_is_forgotten,
+    cases::a_suspended_process_keeps_its_leases,
     cases::a_small_job_among_long_ones_is_leased_next_and_long_ones_share_evenly,
     cases::a_task_fails_its_job_after_five_failures_or_twenty_five_leases,
     cases::lost_results_are_fitted_again,

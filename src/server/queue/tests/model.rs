@@ -168,9 +168,6 @@ impl Model {
                 }
             }
             Action::Lease(most) => {
-                if self.available() == 0 {
-                    self.put_back_expired();
-                }
                 let tasks = lease(world.queue(), *most);
                 prop_assert_eq!(tasks.len(), self.available().min(*most));
                 for task in tasks {

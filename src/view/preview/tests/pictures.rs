@@ -91,7 +91,7 @@ fn parameters_that_a_mode_does_not_show_are_not_in_its_canonical_form() {
         ("theta", "0.5"),
         ("phi", "1.5"),
         ("exposure", "2"),
-        ("difference_scale", "0.1"),
+        ("difference_scale", "0.07"),
         ("spp", "3"),
     ];
     for mode in Mode::ALL.iter().copied() {
