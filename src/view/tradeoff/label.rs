@@ -1,4 +1,4 @@
-//! Positions for the names of points. Names and the lines to their points cover no other name, and names no point.
+//! Positions for the names of points. Names cover neither each other nor a point.
 
 /// A rectangle in picture coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,23 +60,24 @@ impl Area {
 const STEP: f64 = 5.0;
 /// The distance that a name may be farther away so that its line crosses one mark less.
 const DETOUR: f64 = 30.0;
+/// A line that crosses a name counts as this many marks.
+const NAME: f64 = 10.0;
 
 /// A position inside `frame` for each point's name: a near position that does not cover one of `marks` or another name,
-/// and whose line to the point crosses no other name and few marks. `None` if there is no such position.
+/// and whose line to the point crosses few names and marks. `None` if there is no such position.
 pub(super) fn places(points: &[[f64; 2]], sizes: &[[f64; 2]], marks: &[Area], frame: &Area) -> Vec<Option<Area>> {
     let mut placed: Vec<([f64; 2], Area)> = Vec::new();
     let found = points.iter().zip(sizes).map(|(point, size)| {
-        let is_free = |area: &Area| {
-            marks.iter().all(|mark| area.overlap(mark) == 0.0)
-                && placed.iter().all(|(other, name)| {
-                    area.overlap(name) == 0.0 && !name.is_crossed(*point, area) && !area.is_crossed(*other, name)
-                })
-        };
+        let is_free =
+            |area: &Area| placed.iter().map(|(_, name)| name).chain(marks).all(|other| area.overlap(other) == 0.0);
         let free = everywhere(frame, *size).filter(is_free);
         let others: Vec<&Area> = marks.iter().filter(|mark| mark.near(*point) != *point).collect();
         let cost = |area: &Area| {
-            let crossed = others.iter().filter(|mark| mark.is_crossed(*point, area)).count();
-            area.distance(*point) + DETOUR * crossed as f64
+            let marks = others.iter().filter(|mark| mark.is_crossed(*point, area)).count();
+            let is_over =
+                |(other, name): &&([f64; 2], Area)| name.is_crossed(*point, area) || area.is_crossed(*other, name);
+            let names = placed.iter().filter(is_over).count();
+            area.distance(*point) + DETOUR * (marks as f64 + NAME * names as f64)
         };
         // `min_by` returns the first of several equal minima.
         let place = free.map(|area| (cost(&area), area)).min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, area)| area);

@@ -32,12 +32,15 @@ export async function show( root, digest, parameters, signal ) {
 		: el( 'img', { alt: 'A sphere under a rectangular light: the reference, this table, and their difference', width: 776, height: 314 } );
 	const isShown = load( picture, isLut ? `/v1/tables/${ digest }/plots/error.png` : previewOf( recipe, digest, 256, 'strip' ), signal );
 	const others = [ button( `#/compare?tables=${ digest }`, 'Compare' ), button( `#/viewer?${ new URLSearchParams( { table: digest } ) }`, 'View' ) ];
-	const top = bar( name(), null, variation( recipe ), isLut ? null : others );
+	const subtitle = el( 'span', { class: 'muted' } );
+	const top = bar( name(), subtitle, variation( recipe ), isLut ? null : others );
 	const rename = () => {
 		top.querySelector( 'h1' ).textContent = name();
 		document.title = `${ name() } – ltcforge`;
+		subtitle.textContent = labelOf( digest ) && title( recipe );
 	};
 
+	rename();
 	fill( root, top,
 		el( 'div', { class: 'halves' },
 			section( 'identity', 'Identity',
