@@ -13,7 +13,7 @@ const AXE = await readFile( createRequire( import.meta.url ).resolve( 'axe-core/
 const WIDTHS = [ 360, 1280, 3840 ];
 
 /** An element of each page that appears once it is complete. */
-const READY = { tables: '.picture img[src]', table: '.plots img[src]', jobs: '.state', job: '.state', new: 'aside dd', faults: '.bad', compare: '.best', viewer: '.facts', nowhere: '.notice' };
+const READY = { tables: '.picture img[src]', table: '.plots img[src]', lookup: '.shown img[src]', jobs: '.state', job: '.state', new: 'aside dd', faults: '.bad', compare: '.best', viewer: '.facts', nowhere: '.notice' };
 
 /** The smallest font size by the width of the window, in pixels. On a 4K screen without scaling, a pixel is half as large as on others. */
 const LEAST = { 360: 11, 1280: 11, 3840: 16 };
@@ -66,9 +66,10 @@ await withWorld( async ( { service, open } ) => {
 	const recipes = PICTURES ? [ { preset: 'paper' }, { preset: 'standard', layout: 'ltc2017' }, { preset: 'paper', precision: 'f16' }, { preset: 'draft', brdf: 'charlie' } ] : [ SMALL, { ...SMALL, precision: 'f16' } ];
 	const digests = [];
 	for ( const recipe of recipes ) digests.push( await service.fit( recipe ) );
+	const lookup = await service.fit( { table: 'dfg', resolution: { roughness: 8, cos_theta: 8 } } );
 	const failed = await service.fail( { ...SMALL, terms: false } );
 	const bad = JSON.stringify( { preset: 'draft', fit: { samples: 3 } } );
-	const pages = { tables: 'tables', table: `tables/${ digests[ 0 ] }`, jobs: 'jobs', job: `jobs/${ failed }`, new: 'new', faults: `new?${ new URLSearchParams( { recipe: bad } ) }`, compare: `compare?tables=${ digests.slice( 0, 3 ) }`, viewer: `viewer?table=${ digests[ 0 ] }${ PICTURES ? '' : '&show=model' }`, nowhere: 'nowhere' };
+	const pages = { tables: 'tables', table: `tables/${ digests[ 0 ] }`, lookup: `tables/${ lookup }`, jobs: 'jobs', job: `jobs/${ failed }`, new: 'new', faults: `new?${ new URLSearchParams( { recipe: bad } ) }`, compare: `compare?tables=${ digests.slice( 0, 3 ) }`, viewer: `viewer?table=${ digests[ 0 ] }${ PICTURES ? '' : '&show=model' }`, nowhere: 'nowhere' };
 	const violations = [];
 	const [ wide, small, moving ] = [ [], [], [] ];
 	let looked = 0;

@@ -33,7 +33,7 @@ export async function show( root, digest, parameters, signal ) {
 	const isShown = load( picture, isLut ? `/v1/tables/${ digest }/plots/error.png` : previewOf( recipe, digest, 256, 'strip' ), signal );
 	const others = [ button( `#/compare?tables=${ digest }`, 'Compare' ), button( `#/viewer?${ new URLSearchParams( { table: digest } ) }`, 'View' ) ];
 	const subtitle = el( 'span', { class: 'muted' } );
-	const top = bar( name(), subtitle, variation( recipe ), isLut ? null : others );
+	const top = bar( '', subtitle, variation( recipe ), isLut ? null : others );
 	const rename = () => {
 		top.querySelector( 'h1' ).textContent = name();
 		document.title = `${ name() } – ltcforge`;
