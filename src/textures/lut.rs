@@ -39,7 +39,7 @@ pub const PNG: &str = "png";
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum LutExportError {
     /// The engine has no lookup table of this kind.
-    #[error("{engine} loads no file of table {table}; engines that load such a table: {}; other formats: {}", of_kind(*table), formats())]
+    #[error("{engine} loads no file of table {table}; engines that load such a table: {}; other formats: {}", of_kind(*table), listed(TextureContainer::ALL))]
     Engine {
         /// The engine.
         engine: LutEngine,
@@ -219,15 +219,12 @@ fn unrounded(path: &str, bytes: Vec<u8>) -> super::TextureFile {
 /// How to sample a table with its own parameters.
 fn sampling(recipe: &LutRecipe) -> [String; 2] {
     let names = recipe.axis_names();
-    let axes = match names.as_slice() {
-        [alpha, ratio, theta, phi] => {
-            let rows = format!("y is the texel of {ratio} times the texels of theta, plus that of {theta}");
-            format!("The axis x is {phi}, {rows}, z is {alpha}. Read two ratios and blend them.")
-        }
-        _ => {
-            let axes = names.iter().rev().zip(["x", "y", "z"]).map(|(name, axis)| format!("{axis} is {name}"));
-            format!("Axes, from 0 up: {}.", axes.collect::<Vec<_>>().join(", "))
-        }
+    let axes = if let [alpha, ratio, theta, phi] = names.as_slice() {
+        let rows = format!("y is the texel of {ratio} times the texels of theta, plus that of {theta}");
+        format!("The axis x is {phi}, {rows}, z is {alpha}. Read two ratios and blend them.")
+    } else {
+        let axes = names.iter().rev().zip(["x", "y", "z"]).map(|(name, axis)| format!("{axis} is {name}"));
+        format!("Axes, from 0 up: {}.", axes.collect::<Vec<_>>().join(", "))
     };
     let texels = match recipe.texels() {
         Texels::Centres => "Sample at the parameters themselves, with linear filtering and clamped edges.".to_owned(),

@@ -13,7 +13,7 @@ const FEWEST: f64 = 40.0;
 const MORE: f64 = 160.0;
 
 /// The albedo for a Fresnel factor of one, and albedo weighted like those of [`super::ggx::ggx`]. Domain: `alpha_x` in
-/// [1e-4, 1], `alpha_y` in [1e-4, alpha_x] and at least `alpha_x / 100`, `wo` of unit length with `z` from .001.
+/// [1e-4, 1], `alpha_y` in [1e-4, `alpha_x`] and at least `alpha_x / 100`, `wo` of unit length with `z` from .001.
 ///
 /// The integral runs over the slope of the normal, `(ax r cos(phi), ay r sin(phi))` with `r = sinh(x)`. So all azimuths
 /// count the same, and slopes have the density `2 sinh(x) / cosh(x)^3`. With `b = wo . slope / (wo.z r)` and
