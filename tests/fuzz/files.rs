@@ -1,33 +1,42 @@
 //! Documents and containers, as the library reads them.
 
-use std::path::Path;
+use std::{ops::ControlFlow, path::Path};
 
 use ltcforge::{
     Preset, Recipe, RecipeDocument as _, TableFile,
     client::{LockFile, with_pins},
     files::{
         compact,
-        container::{NPY_MAGIC, decode, decode_npy, encode},
-        recipe_document::{DEFAULT_ENTRY_LIMIT, RecipeError, canonical_json, digest, parse},
+        container::{AnyFile, NPY_MAGIC, decode_any, decode_npy, encode, encode_lut},
+        recipe_document::{AnyRecipe, DEFAULT_ENTRY_LIMIT, RecipeError, canonical_json, digest, parse, parse_any},
         tabulated,
     },
-    fit::{BrdfKind, TabulatedAxes, TabulatedBrdf},
+    fit::{
+        BrdfKind, TabulatedAxes, TabulatedBrdf,
+        albedo::{LutPlan, LutRecipe, fit_lut},
+    },
 };
 use ltcforge_plan::Scene;
 
 use super::target::Target;
 
 /// Recipe documents with every kind of field.
-const RECIPES: [&str; 6] = [
+const RECIPES: [&str; 9] = [
     "{}",
     r#"{"preset": "draft", "resolution": {"alpha": 2, "ratio": 2, "theta": 2, "phi": 2}, "fit": {"samples": 64, "seed": 7}}"#,
     r#"{"preset": "paper", "brdf": "beckmann", "layout": "kt2022", "precision": "f16", "terms": false}"#,
     r#"{"nodes": {"alpha": [0.1, 0.5, 1], "ratio": [0.5, 1]}, "range": {"theta": [0, 1.2]}, "fit": {"metric": "l3"}}"#,
     r#"{"layout": "ltc2017", "brdf": "charlie", "resolution": {"alpha": 8, "theta": 8}, "fresnel": [{"f0": 0.04}]}"#,
     r#"{"brdf": "fuzz", "lobe": "sg", "fitter": 4, "second": "coat", "fit": {"solver": "nelder_mead", "steps": 3}}"#,
+    r#"{"table": "dfg", "form": "f82", "resolution": {"roughness": 4, "cos_theta": 5}, "axes": {"texels": "centres"}}"#,
+    r#"{"table": "transmission", "resolution": {"ior": 2, "roughness": 3, "cos_theta": 64}, "precision": "unorm16"}"#,
+    r#"{"preset": "anisotropic_dfg", "table": "anisotropic_dfg", "resolution": {"ratio": 2, "phi": 16}}"#,
 ];
 
-const RECIPE_WORDS: [&str; 16] = [
+const RECIPE_WORDS: [&str; 19] = [
+    "\"table\":",
+    "\"form\":",
+    "\"axes\":",
     "\"preset\":",
     "\"brdf\":",
     "\"layout\":",
@@ -57,12 +66,17 @@ fn small() -> TableFile {
 fn recipes() {
     let seeds = RECIPES.map(|text| text.as_bytes().to_vec()).to_vec();
     Target { name: "recipe", seeds, words: &RECIPE_WORDS, inputs: 4000 }.survive(|bytes| {
-        match parse(bytes, DEFAULT_ENTRY_LIMIT) {
+        let parse = |bytes: &[u8]| parse_any(bytes, DEFAULT_ENTRY_LIMIT, &tabulated::no_files);
+        match parse(bytes) {
             Ok(recipe) => {
-                let again = parse(canonical_json(&recipe).as_bytes(), DEFAULT_ENTRY_LIMIT).expect("its canonical form");
+                let again = parse(canonical_json(&recipe).as_bytes()).expect("its canonical form");
                 assert_eq!(digest(&again), digest(&recipe));
-                let form = (recipe.brdf(), recipe.layout(), recipe.lobe());
-                format!("a recipe of {form:?}")
+                match recipe {
+                    AnyRecipe::Ltc(recipe) => {
+                        format!("a recipe of {:?}", (recipe.brdf(), recipe.layout(), recipe.lobe()))
+                    }
+                    AnyRecipe::Lut(LutRecipe { table, form, .. }) => format!("a recipe of {table} {form:?}"),
+                }
             }
             Err(RecipeError::Json(error)) => error,
             Err(RecipeError::Faults(faults)) => {
@@ -75,11 +89,22 @@ fn recipes() {
 #[test]
 fn tables() {
     let small = small();
-    let seeds = vec![encode(small.recipe(), small.table()).expect("a file")];
+    let document = br#"{"table": "albedo", "resolution": {"roughness": 2, "cos_theta": 3}, "precision": "f16"}"#;
+    let Ok(AnyRecipe::Lut(recipe)) = parse_any(document, DEFAULT_ENTRY_LIMIT, &tabulated::no_files) else {
+        panic!("the recipe of a lookup table")
+    };
+    let lut = fit_lut(&LutPlan::new(&recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it");
+    let seeds = vec![
+        encode(small.recipe(), small.table()).expect("a file"),
+        encode_lut(&recipe, &lut).expect("the file of a lookup table"),
+    ];
     let words = ["\"F32\"", "\"F16\"", "\"shape\":", "\"data_offsets\":", "\"__metadata__\":", "[", "{", "}", ","];
-    Target { name: "safetensors", seeds, words: &words, inputs: 2000 }.survive(|bytes| match decode(bytes) {
+    Target { name: "safetensors", seeds, words: &words, inputs: 2000 }.survive(|bytes| match decode_any(bytes) {
         Ok(file) => {
-            let encoded = encode(file.recipe(), file.table());
+            let encoded = match &file {
+                AnyFile::Ltc(file) => encode(file.recipe(), file.table()),
+                AnyFile::Lut(file) => encode_lut(&file.recipe, &file.lut),
+            };
             assert!(encoded.is_ok_and(|encoded| encoded == bytes), "the same table was encoded differently");
             "a table".to_owned()
         }

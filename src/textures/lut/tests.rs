@@ -40,6 +40,39 @@ fn the_array_of_three_has_its_axes_channels_and_format() {
 }
 
 #[test]
+fn the_table_of_three_has_at_most_half_of_the_error() {
+    let of = fitted(r#"{"table": "dfg", "resolution": {"roughness": 16, "cos_theta": 16}}"#);
+    let recipe = LutExport::Engine(LutEngine::Three).recipe(&of.recipe).expect("a recipe");
+    let ours = MeasuredLut::new(&recipe).error(&super::fitted(&recipe).texels);
+    // The two smoothest texels of the lowest view in DFGLUTData.js. At cosine .01 the filter reads nothing else.
+    let [smooth, rough] = [0x30b5, 0x314c].map(|bits| f64::from(half::f16::from_bits(bits).to_f32()));
+    let alpha: f64 = 0.002;
+    let theirs = smooth + (rough - smooth) * (16.0 * alpha.sqrt() - 0.5) - recipe.truth(&[alpha, 0.01])[0];
+    assert!((theirs - 0.0962).abs() < 1e-4 && ours.max < 0.5 * theirs, "{ours:?}, {theirs}");
+}
+
+#[test]
+fn three_axes_make_a_volume_and_four_axes_make_a_volume_of_rows() {
+    for (table, axes, size) in [
+        ("transmission", r#"{"ior": 2, "roughness": 3, "cos_theta": 4}"#, [4, 3, 2]),
+        ("anisotropic_dfg", r#"{"alpha": 2, "ratio": 3, "theta": 4, "phi": 5}"#, [5, 12, 2]),
+    ] {
+        let of = fitted(&format!(r#"{{"table": "{table}", "resolution": {axes}}}"#));
+        for export in LutExport::all(&of.recipe) {
+            let bundle = export.bundle(&of, Digest::of(b"")).unwrap_or_else(|error| panic!("{export}: {error}"));
+            if export.to_string() == "ktx2.f16" {
+                let bytes = &bundle.files[0].bytes;
+                let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes"));
+                // VK_FORMAT_R16G16_SFLOAT, width, height, depth.
+                assert_eq!((word(12), [word(20), word(24), word(28)]), (83, size), "{table}");
+            }
+        }
+        let refused = LutExport::Png.bundle(&of, Digest::of(b"")).expect_err("no picture").to_string();
+        assert!(refused.starts_with("a picture has two axes, and table"), "{refused}");
+    }
+}
+
+#[test]
 fn bevy_gets_a_ktx2_file_with_two_halves_and_the_cosine_along_x() {
     let of = fitted(r#"{"table": "dfg", "resolution": {"roughness": 8, "cos_theta": 16}}"#);
     let bundle = LutExport::Engine(LutEngine::Bevy).bundle(&of, Digest::of(b"")).expect("files");
