@@ -20,6 +20,7 @@ const SHADERS = {
 		[ 'table', 'glsl', '--layout', 'reflected', '--lights', 'polygons' ],
 		[ 'normals_textured', 'glsl', '--model', 'normals', '--textured', '4' ],
 		[ 'prefilter', 'glsl', '--as', 'prefilter' ],
+		[ 'samplers', 'glsl', '--as', 'samplers' ],
 	],
 };
 

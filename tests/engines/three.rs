@@ -64,7 +64,7 @@ const REFUSALS: [(&str, &str); 10] = [
 const CLEARCOAT_ERROR: f64 = 0.0004;
 
 /// The shaders in the package besides [`RULES_GLSL`].
-const MORE_SHADERS: [&str; 8] = [
+const MORE_SHADERS: [&str; 9] = [
     "shaders/ltc_formula.glsl.js",
     "shaders/ltc_formula.wgsl.js",
     "shaders/normals_fast.wgsl.js",
@@ -73,6 +73,7 @@ const MORE_SHADERS: [&str; 8] = [
     "shaders/table.glsl.js",
     "shaders/normals_textured.glsl.js",
     "shaders/prefilter.glsl.js",
+    "shaders/samplers.glsl.js",
 ];
 
 #[test]
@@ -210,6 +211,36 @@ fn the_example_lights_webgpu_renderer() {
         assert_eq!(errors["node"], errors["clone"], "{backend}");
         assert!(refusal.is_some_and(|text| text.contains("has no GGX lobe")), "{backend}");
     }
+}
+
+/// The output of `shadows.js`.
+#[derive(Deserialize)]
+struct Shadows {
+    /// The mean radiance, and the mean difference from 1024 rays per pixel, by estimate.
+    estimates: BTreeMap<String, Shadow>,
+    faults: Vec<String>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Shadow {
+    mean: f64,
+    error: f64,
+}
+
+#[test]
+#[ignore = "make test-all runs it"]
+fn the_example_traces_shadows_with_little_noise() {
+    let Some(Shadows { estimates, faults }) = script::<Shadows>("shadows.js", &[]) else { return };
+    print(&format!("examples/three, shadows: {estimates:.5?}"));
+    assert_eq!(faults, [""; 0]);
+    let truth = estimates["truth"].mean;
+    // The page is not black.
+    assert!(truth > 0.02, "{estimates:?}");
+    for way in ["ratio", "hidden", "samples"] {
+        let Shadow { mean, error } = estimates[way];
+        assert!((mean / truth - 1.0).abs() < 0.02 && error < 0.5 * estimates["solid angle"].error, "{estimates:?}");
+    }
+    assert!(estimates["ratio"].error < estimates["samples"].error, "{estimates:?}");
 }
 
 #[test]
