@@ -54,8 +54,6 @@ fn a_glb_of_textures_coats_and_a_camera_is_fitted_and_measured() {
     assert!(number(&table["measured"]["bytes"]) <= 3000.0, "{}", table["measured"]);
     assert!((0.85..1.15).contains(&number(&table["measured"]["off_by"])), "{}", table["measured"]);
     assert!(number(&table["measured"]["error"]) <= number(&table["whole"]["error"]), "{}", table["whole"]);
-    // The machine's speed comes from one fit.
-    assert!(number(&table["measured"]["seconds_off_by"]) > 0.0);
     let picture = fs::read_to_string(here.join("ltc/plan.svg")).expect("a picture");
     assert!(picture.contains("remains with any table of these lobes") && picture.contains("whole domain"));
 }

@@ -2,7 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::recipe::LutRecipe;
 use crate::{layout::Spacing, math::cbrt, named_list};
 
 /// The smallest alpha of a value. Smoother surfaces have the value of this alpha.
@@ -234,10 +233,10 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    /// The axes of a recipe, with places at `parameters`.
-    pub(super) fn all(recipe: &LutRecipe, parameters: &[Vec<f64>]) -> Vec<Self> {
-        let axes = recipe.grid().into_iter().zip(parameters);
-        axes.map(|((parameter, texels), places)| Self::new(parameter, recipe.texels(), texels, places)).collect()
+    /// The axes of a recipe's grid, with places at `parameters`.
+    pub(super) fn all(grid: Vec<(Parameter, usize)>, filter: Texels, parameters: &[Vec<f64>]) -> Vec<Self> {
+        let axes = grid.into_iter().zip(parameters);
+        axes.map(|((parameter, texels), places)| Self::new(parameter, filter, texels, places)).collect()
     }
 
     /// The axis with places at `parameters`.

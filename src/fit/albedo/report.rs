@@ -99,7 +99,7 @@ impl MeasuredLut {
         });
         Self {
             recipe: *recipe,
-            places: Places::new(&Axis::all(recipe, parameters)),
+            places: Places::new(&Axis::all(recipe.grid(), recipe.texels(), parameters)),
             columns: parameters.iter().rev().map(Vec::len).find(|n| *n > 1).unwrap_or(1),
             values: values.collect(),
         }

@@ -140,7 +140,7 @@ impl LutPlan {
     pub fn assemble(&self, values: &[f64]) -> Lut {
         let recipe = &self.recipe;
         let channels = recipe.channels().len();
-        let axes = Axis::all(recipe, &self.places);
+        let axes = Axis::all(recipe.grid(), recipe.texels(), &self.places);
         // A surface that reflects more than all light has no lost energy to return.
         let is_bounded = recipe.table == LutKind::Albedo || recipe.precision.steps().is_some();
         let truth = |channel: usize| -> Vec<f64> { values.iter().skip(channel).step_by(channels).copied().collect() };
