@@ -2,7 +2,7 @@
 
 import { bar, copyButton, el, facts, fileField, fill, muted, notice, takeDrops } from '../elements/dom.js';
 import { number, percent, short, whole } from '../elements/format.js';
-import { nameOf } from '../elements/recipe.js';
+import { isLookup, nameOf } from '../elements/recipe.js';
 import { readGltf } from '../gltf/read.js';
 import { call } from '../service/api.js';
 import { keep, kept } from '../service/kept.js';
@@ -35,7 +35,8 @@ export async function show( root, rest, parameters, signal ) {
 	const scene = read( parameters );
 	const canvas = el( 'canvas', { width: 64, height: 64, role: 'img', 'aria-label': 'The surface under the lights' } );
 	const figures = el( 'div' );
-	const [ { items } ] = await Promise.all( [ call( '/v1/tables?limit=200', { signal } ), loadShaders() ] );
+	const [ listed ] = await Promise.all( [ call( '/v1/tables?limit=200', { signal } ), loadShaders() ] );
+	const items = listed.items.filter( ( { recipe } ) => ! recipe || ! isLookup( recipe ) );
 	const known = [ ...new Set( [ scene.table, scene.against, ...items.map( ( { digest } ) => digest ) ] ) ].filter( ( name ) => name && name !== 'normals' && ! Object.hasOwn( NAMED, name ) );
 	const models = [ ...Object.entries( NAMED ), ...known.map( ( digest ) => [ digest, `table ${ nameOf( items.find( ( item ) => item.digest === digest ) ?? { digest } ) }` ] ) ];
 	const lefts = [ [ '', 'normals, no table' ], ...models ];
