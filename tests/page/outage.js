@@ -40,4 +40,4 @@ await withWorld( async ( { service, open, complaints } ) => {
 	const others = complaints.splice( 0 ).filter( ( text ) => ! /ERR_CONNECTION_REFUSED|ERR_FAILED|ERR_EMPTY_RESPONSE|ERR_CONNECTION_RESET|ERR_INCOMPLETE_CHUNKED_ENCODING|status of 503/.test( text ) );
 	return { others };
 
-} );
+}, [ '--workers', '1' ] );

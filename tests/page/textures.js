@@ -7,6 +7,8 @@ import { withWorld } from './world.js';
 await withWorld( async ( { open } ) => {
 
 	const page = await open( 'viewer?size=512&glow=off&diffuse=off&spp=2&show=model&exposure=2' );
+	// Without a plan, the model stays the same.
+	await page.route( '**/v1/plans*', ( route ) => route.fulfill( { json: { summary: [ 'no plan' ], plan: { scene: { lights: [], materials: [] }, tables: [] } } } ) );
 	await page.locator( '.page-viewer .facts' ).waitFor();
 	/** The bytes of an image that is one row of pixels. */
 	const image = async ( type, ...pixels ) => Buffer.from( await page.evaluate( ( [ type, pixels ] ) => {
