@@ -118,7 +118,7 @@ pub static PARAMETERS: [Parameter; 30] = [
     number!("exposure", "Factor on the displayed radiance", None, [1e-4, 1e4], exposure),
     number!(
         "difference_scale",
-        "Radiance difference at the ends of the colour bar; 0 fits the picture",
+        "Difference at the ends of the colours; 0 fits the picture",
         None,
         [0.0, 1e4],
         difference_scale
