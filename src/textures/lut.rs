@@ -221,7 +221,7 @@ fn sampling(recipe: &LutRecipe) -> [String; 2] {
     let names = recipe.axis_names();
     let axes = if let [alpha, ratio, theta, phi] = names.as_slice() {
         let rows = format!("y is the texel of {ratio} times the texels of theta, plus that of {theta}");
-        format!("The axis x is {phi}, {rows}, z is {alpha}. Read two ratios and blend them.")
+        format!("The axis x is {phi}, {rows}, z is {alpha}, as in layout reflected. Read two ratios and blend them.")
     } else {
         let axes = names.iter().rev().zip(["x", "y", "z"]).map(|(name, axis)| format!("{axis} is {name}"));
         format!("Axes, from 0 up: {}.", axes.collect::<Vec<_>>().join(", "))

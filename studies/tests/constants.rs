@@ -107,7 +107,7 @@ fn a_short_search_comes_close_to_the_numbers_of_networks() {
     }
 }
 
-/// A search that starts from the current numbers stays close to them, although its lights are others.
+/// A search that starts from the current numbers, on other lights, finds numbers of about the same error.
 #[test]
 fn a_refined_network_is_as_good_as_the_current_one() {
     for rule in [NormalsRule::Fast, NormalsRule::Balanced, NormalsRule::Fine] {

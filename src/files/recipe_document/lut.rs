@@ -20,7 +20,7 @@ const LTC: &str = "ltc";
 /// The largest number of texels on an axis, for tables of two, three and four axes.
 const MOST_TEXELS: [u32; 3] = [1024, 64, 16];
 
-/// The number of texels on an axis if the recipe has none.
+/// The default number of texels on an axis.
 fn default_texels(table: LutKind, axis: &str) -> u32 {
     match (table, axis) {
         (LutKind::Albedo, _) => 64,

@@ -188,17 +188,18 @@ impl LutRecipe {
         self.axes.map_or(Texels::Corners, |axes| axes.texels)
     }
 
-    /// The names of the axes with their parameters, such as `cos_theta (cube_root)`. The last axis is the fastest.
+    /// The names of the axes with their parameters, such as `cos_theta (cube_root)`; axes of layout `reflected` have
+    /// only a name. The last axis is the fastest.
     #[must_use]
     pub fn axis_names(&self) -> Vec<String> {
         let axes = self.axes.unwrap_or_default();
-        let parameter = |name: &str| match (name, self.axes) {
-            ("ior", _) => "cube root of 2 (n - 1) / (n + 1)".to_owned(),
-            ("roughness", _) => axes.roughness.to_string(),
-            ("cos_theta", _) => axes.cos_theta.to_string(),
-            _ => format!("of layout {}", Layout::Reflected),
+        let named = |name: &&str| match *name {
+            "ior" => "ior (cube root of 2 (n - 1) / (n + 1))".to_owned(),
+            "roughness" => format!("roughness ({})", axes.roughness),
+            "cos_theta" => format!("cos_theta ({})", axes.cos_theta),
+            of_layout => of_layout.to_owned(),
         };
-        self.table.axes().iter().map(|name| format!("{name} ({})", parameter(name))).collect()
+        self.table.axes().iter().map(named).collect()
     }
 
     /// The parameter of each axis and its texels. The last axis is the fastest.

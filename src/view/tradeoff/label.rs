@@ -130,7 +130,7 @@ mod tests {
     #[test]
     fn a_line_to_a_point_crosses_no_other_name() {
         let frame = Area { left: 0.0, top: 0.0, width: 200.0, height: 200.0 };
-        // One point above the other. Below both there is room for names, above there is none.
+        // One point is above the other. Names have room below both points, but not above them.
         let points = [[190.0, 60.0], [190.0, 20.0]];
         let above = Area { left: 0.0, top: 0.0, width: 200.0, height: 65.0 };
         let found: Vec<Area> = places(&points, &[[80.0, 15.0]; 2], &[above], &frame).into_iter().flatten().collect();

@@ -132,7 +132,7 @@ function cornersOf( outline ) {
 /** The default border between both sides, as a fraction of the width. */
 const SPLIT = 0.5;
 
-/** What the viewer shows at first of a dropped file: the table of engines, and a light in front of the scene. */
+/** The first look of a dropped file: lit by the table of engines and a light in front of the scene. */
 const DROPPED = { table: 'engines', surface: 'mesh', camera_distance: '4.6', light_y: '1.6', light_z: '2.6', light_width: '1.2', light_height: '0.9', light_intensity: '6' };
 
 /** Whether lights are those of a new link, or of a dropped file. */
