@@ -6,27 +6,10 @@ import { readFile } from 'node:fs/promises';
 import { gzipSync } from 'node:zlib';
 
 import { glb, sphere } from './glb.js';
+import { unzipped } from './unzipped.js';
 import { withWorld } from './world.js';
 
 const AXE = await readFile( createRequire( import.meta.url ).resolve( 'axe-core/axe.min.js' ), 'utf8' );
-
-/** The files of an archive without compression. Checks its checksums with those of gzip. */
-function unzipped( bytes ) {
-
-	const files = {};
-	for ( let at = 0; bytes.readUInt32LE( at ) === 0x04034b50; ) {
-
-		const [ checksum, length, name ] = [ bytes.readUInt32LE( at + 14 ), bytes.readUInt32LE( at + 22 ), bytes.readUInt16LE( at + 26 ) ];
-		const data = bytes.subarray( at + 30 + name, at + 30 + name + length );
-		if ( gzipSync( data ).readUInt32LE( gzipSync( data ).length - 8 ) !== checksum ) throw new Error( 'wrong checksum' );
-		files[ bytes.toString( 'utf8', at + 30, at + 30 + name ) ] = data.toString();
-		at += 30 + name + length;
-
-	}
-
-	return files;
-
-}
 
 await withWorld( async ( { open } ) => {
 
@@ -130,11 +113,11 @@ await withWorld( async ( { open } ) => {
 	await keys.keyboard.press( ']' );
 	const keyed = await keys.evaluate( () => Object.fromEntries( [ ...new URLSearchParams( location.hash.split( '?' )[ 1 ] ) ].filter( ( [ name ] ) => [ 'table', 'against', 'split' ].includes( name ) ) ) );
 	await presses( () => document.activeElement.id === 'view-engine' );
-	await presses( () => document.activeElement.value === 'three', 'ArrowUp' );
+	await presses( () => document.activeElement.value === 'wgpu', 'ArrowDown' );
 	await presses( () => document.activeElement.matches( '.scene .primary' ) );
-	const forThree = keys.waitForEvent( 'download' );
+	const savedByKeys = keys.waitForEvent( 'download' );
 	await keys.keyboard.press( 'Enter' );
-	const three = unzipped( await readFile( await ( await forThree ).path() ) );
-	return { light, keyed, three: { names: Object.keys( three ).sort(), readme: three[ 'README.md' ], recipe: JSON.parse( three[ 'recipe.json' ] ) }, size, first, digest, sentence, material, blue, violations, name: download.suggestedFilename(), names: Object.keys( files ).sort(), readme: files[ 'README.md' ], missing };
+	keyed.saved = ( await savedByKeys ).suggestedFilename();
+	return { light, keyed, size, first, digest, sentence, material, blue, violations, name: download.suggestedFilename(), names: Object.keys( files ).sort(), readme: files[ 'README.md' ], missing };
 
 } );

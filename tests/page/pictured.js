@@ -145,22 +145,22 @@ await withWorld( async ( { service, open } ) => {
 	const truly = await pixelsAt();
 	const sum = ( pixels ) => pixels.flat().reduce( ( a, b ) => a + b, 0 );
 	const reference = sum( truly.pixels ) / sum( byte( plastic, truly.png, [ '--truth' ], 'true_' ) ) - 1;
-	// The mean error of the picture, against `--truth` at every twelfth pixel of the sphere.
+	// The mean error of the picture, against `--truth` at every sixth pixel of the sphere in each direction.
 	const errors = {};
-	for ( const [ table, words ] of [ [ 'ltc-formula', [ '--model', 'ltc-formula' ] ], [ digest, [ '--model', 'ltc', '--table', 'table' ] ] ] ) {
+	for ( const [ name, table, words ] of [ [ 'normals', '', [ '--model', 'normals' ] ], [ 'ltc-formula', 'ltc-formula', [ '--model', 'ltc-formula' ] ], [ 'table', digest, [ '--model', 'ltc', '--table', 'table' ] ] ] ) {
 
 		const scene = { table, metal: 'white', alpha_x: 0.4, alpha_y: 0.1, rotation: 0, light_width: 1.5, show: 'reference', spp: 256 };
 		await shown( scene );
 		await sampled( 256 );
 		const told = await page.evaluate( () => JSON.parse( document.querySelector( '.stage canvas' ).dataset.errors ).sides[ 0 ].mean );
 		const asked = read( new URLSearchParams( scene ) );
-		const grid = Array.from( { length: 1849 }, ( _, i ) => [ 4 + 12 * ( i % 43 ), 4 + 12 * Math.floor( i / 43 ) ] ).map( ( place ) => line( asked, place ) ).filter( ( text ) => ! text.includes( 'NaN' ) );
+		const grid = Array.from( { length: 7225 }, ( _, i ) => [ 4 + 6 * ( i % 85 ), 4 + 6 * Math.floor( i / 85 ) ] ).map( ( place ) => line( asked, place ) ).filter( ( text ) => ! text.includes( 'NaN' ) );
 		const { stdout, stderr, status } = spawnSync( LTCFORGE, [ 'light', '-', '--truth', '--f0', '1', ...words ], { input: grid.join( '\n' ) + '\n', encoding: 'utf8', cwd: folder } );
 		if ( status !== 0 ) throw new Error( stderr );
 		const [ names, ...rows ] = stdout.trimEnd().split( '\n' ).map( ( row ) => row.split( ',' ) );
 		const [ ours, truth ] = [ 'reflected', 'true_reflected' ].map( ( name ) => rows.map( ( row ) => Number( row[ names.indexOf( name ) ] ) ) );
 		const total = ( values ) => values.reduce( ( a, b ) => a + b, 0 );
-		errors[ table === digest ? 'table' : table ] = [ told, total( ours.map( ( value, i ) => Math.abs( value - truth[ i ] ) ) ) / total( truth ), grid.length ];
+		errors[ name ] = [ told, total( ours.map( ( value, i ) => Math.abs( value - truth[ i ] ) ) ) / total( truth ), grid.length ];
 
 	}
 

@@ -108,6 +108,7 @@ page_files![
     "service/zip.js",
     "style.css",
     "viewer/controls.js",
+    "viewer/errors.js",
     "viewer/lights.js",
     "viewer/models.js",
     "viewer/own_lights.js",

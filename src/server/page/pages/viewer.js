@@ -92,6 +92,8 @@ export async function show( root, rest, parameters, signal ) {
 	let texts = {};
 	let asked = 0;
 	let isWaiting = false;
+	/** Whether the materials of the scene have pictures with the model of the left side. */
+	let isPainted = false;
 	/** Result of the last frame, or null after a change. */
 	let last = null;
 
@@ -130,6 +132,7 @@ export async function show( root, rest, parameters, signal ) {
 			if ( turn !== asked || signal.aborted ) return;
 			texts = { samplers: found.pop(), prefilter: found.pop() };
 			lit = found;
+			isPainted = false;
 			restart();
 		} catch ( error ) {
 			if ( turn === asked ) failed( error );
@@ -140,7 +143,7 @@ export async function show( root, rest, parameters, signal ) {
 		try {
 			const { meshes, place: found, triangles, notes } = await readGltf( await file.arrayBuffer() );
 			if ( signal.aborted ) return;
-			[ mesh, sceneAt ] = [ meshes, found ];
+			[ mesh, sceneAt, isPainted ] = [ meshes, found, false ];
 			keep( file );
 			surface.offer( [ ...SURFACES, [ 'mesh', file.name ] ], 'mesh' );
 			fill( opened, muted( [ `${ whole( triangles ) } triangles, ${ meshes.length } material${ meshes.length > 1 ? 's' : '' }`, ...notes ].join( '; ' ) ) );
@@ -210,6 +213,10 @@ export async function show( root, rest, parameters, signal ) {
 		overlay.draw();
 		if ( signal.aborted || ! lit || ! drawn || drawn.isLost() || scene.surface === 'mesh' && ! mesh ) return;
 		try {
+			if ( ! isPainted && scene.surface === 'mesh' && dropped.isPlanned() ) {
+				dropped.paint( canvas, ( material ) => drawn.swatch( material, lit[ 0 ] ) );
+				isPainted = true;
+			}
 			last = drawn.draw( scene, size(), mesh, lit, lights.layers, texts );
 			showFigures();
 			if ( last.ofMeshes ) dropped.showErrors( last.ofMeshes );

@@ -2,7 +2,8 @@
 
 import { device } from '../webgl/device.js';
 import { OCCLUDED, SHADOWED } from '../webgl/shaders.js';
-import { camera, CHOICES, DIFFUSE, METALS, occludersOf, uniformsOf } from './scene.js';
+import { errorsOf } from './errors.js';
+import { camera, CHOICES, DIFFUSE, METALS, occludersOf, read, uniformsOf } from './scene.js';
 import { shaderBall } from './shader_ball.js';
 
 /** The least and the largest number of samples per frame, and the frame times in milliseconds that lead to more and to fewer samples. */
@@ -11,6 +12,9 @@ const [ FEWEST, MANY, FAST, SLOW ] = [ 2, 32, 25, 150 ];
 /** Places of a mesh within a pixel, one per frame. */
 const PLACES = 16;
 const NO_LIGHT = { kind: 'diffuse', text: '', uniforms: {}, textures: [] };
+
+/** Pixels per side of a swatch, and its samples of the truth. */
+const [ SWATCH, SWATCH_SAMPLES ] = [ 64, 64 ];
 
 /** The shift of a frame in pixels, from -0.5 to 0.5. The first frame has none [Roberts 2018]. */
 const shift = ( frame, step ) => ( frame * step + 0.5 ) % 1 - 0.5;
@@ -24,7 +28,9 @@ function nice( value ) {
 /** The picture on a canvas. */
 export function picture( canvas ) {
 	const gpu = device( canvas );
-	let [ frames, samples, measured, perFrame, calls, isMoving ] = [ 0, 0, 4, FEWEST, 0, false ];
+	let [ frames, samples, perFrame, calls, isMoving ] = [ 0, 0, FEWEST, 0, false ];
+	/** The numbers of samples at which the errors of all pixels and of the meshes are due. */
+	let due = [ 0, 8 ];
 	let [ errors, scale ] = [ null, 0.2 ];
 	let meshes = [];
 
@@ -45,7 +51,7 @@ export function picture( canvas ) {
 	const hasDiffuse = ( scene, own ) => scene.diffuse === 'on' && ( meshes.length ? meshes : [ { material: own } ] ).some( ( { material, textures } ) => textures || material.diffuse?.some( ( channel ) => channel > 0 ) );
 	return {
 		/** Forgets all sums, after a change of the scene. */
-		restart: () => [ frames, samples, measured ] = [ 0, 0, 4 ],
+		restart: () => [ frames, samples, due ] = [ 0, 0, [ 0, 8 ] ],
 		/** Draws a frame of a scene. `opened` are the meshes of a file, `models` both sides, where null is the truth, `layers` the pictures on lights, and the last argument shader texts. */
 		draw( scene, size, opened, models, layers, { prefilter, samplers } ) {
 			const since = performance.now();
@@ -88,10 +94,11 @@ export function picture( canvas ) {
 			}
 			frames ++;
 			const weights = { size, has_right: Number( Boolean( other ) ), model_weight: 1 / ( meshes.length ? Math.min( frames, PLACES ) : 1 ), truth_weight: 1 / samples };
-			errors = gpu.errors( weights );
-			// Measuring each mesh takes time, so it is done each time that the number of samples has doubled.
-			const ofMeshes = scene.surface === 'mesh' && ( samples >= 2 * measured || samples >= scene.spp ) ? meshes.map( ( _, i ) => errors && gpu.errors( weights, i, errors ) ) : null;
-			if ( ofMeshes ) measured = samples;
+			// Measuring takes time, so it is done each time that the number of samples has grown by a quarter, or doubled for meshes.
+			const isDue = due.map( ( count ) => samples >= Math.min( count, scene.spp ) );
+			due = due.map( ( count, i ) => isDue[ i ] ? samples * [ 1.25, 2 ][ i ] : count );
+			if ( isDue[ 0 ] ) errors = errorsOf( gpu.tiles( weights ), Boolean( other ) );
+			const ofMeshes = isDue[ 1 ] && scene.surface === 'mesh' ? meshes.map( ( _, i ) => errors && errorsOf( gpu.tiles( weights, i ), Boolean( other ), errors.light ) ) : null;
 			scale = nice( errors?.difference || scale );
 			gpu.display( { ...weights, exposure: scene.exposure, split: scene.split, show: CHOICES.show.indexOf( scene.show ), difference_scale: scale, has_glow: Number( scene.glow === 'on' ), has_diffuse: Number( diffuse ) } );
 			const milliseconds = performance.now() - since;
@@ -100,6 +107,21 @@ export function picture( canvas ) {
 			// The last frame ends with the last sample.
 			while ( samples < scene.spp && ( scene.spp - samples ) % perFrame ) perFrame /= 2;
 			return { samples, milliseconds, calls, errors, ofMeshes, scale, isDone: samples >= scene.spp && ! isMoving, isMoving };
+		},
+		/** Draws a sphere of a material as it looks in a dropped file: the left half by a model, the right half by the truth. Forgets all sums. */
+		swatch( material, model ) {
+			const scene = read( new URLSearchParams( { dropped: 'swatch' } ) );
+			const { eye, right, up, forward, half } = camera( scene );
+			const { uniforms, shapes } = uniformsOf( scene.lights );
+			const numbers = { ...uniforms, eye, size: SWATCH };
+			const hasDiffuse = model.brdf === 'ggx' && material.diffuse.some( ( channel ) => channel > 0 );
+			gpu.resize( SWATCH );
+			gpu.drawSurface( { ...numbers, right, up, forward, ...ofMaterial( material, model.brdf !== 'ggx' ), pixel_width: 2 * half / SWATCH, surface: 0 } );
+			gpu.light( 'left', model, numbers, shapes, 0 );
+			if ( hasDiffuse ) gpu.light( 'diffuse', NO_LIGHT, numbers, shapes, 0 );
+			gpu.sample( model.brdf, numbers, shapes, 0, SWATCH_SAMPLES );
+			gpu.display( { size: SWATCH, has_right: 0, model_weight: 1, truth_weight: 1 / SWATCH_SAMPLES, exposure: scene.exposure, split: scene.split, show: 0, difference_scale: 1, has_glow: 0, has_diffuse: Number( hasDiffuse ) } );
+			this.restart();
 		},
 		/** The radiance of both sides and of the truth at a pixel: the means of the channels. Missing sides are null, and so is a pixel beside the surface. */
 		at( x, y ) {

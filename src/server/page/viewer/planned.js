@@ -11,6 +11,9 @@ import { choice } from './controls.js';
 /** Seconds that a planned table may take without a question. */
 const AT_ONCE = 10;
 
+/** Materials with a picture. Others have a flat colour. */
+const PAINTED = 32;
+
 /** The sRGB byte of a linear number. */
 const srgb = ( y ) => Math.round( 255 * ( y <= 0.0031308 ? 12.92 * y : 1.055 * y ** ( 1 / 2.4 ) - 0.055 ) );
 
@@ -43,6 +46,7 @@ export function planned( show, light, signal ) {
 	label();
 	const root = el( 'fieldset', { class: 'scene', hidden: true }, el( 'legend', {}, 'This scene' ), status, words, models,
 		el( 'div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Materials' }, el( 'table', { class: 'figures' }, el( 'thead', {}, el( 'tr', {}, [ 'Material', 'roughness', 'plan', 'mean error' ].map( ( name, i ) => el( 'th', { scope: 'col', class: i ? 'number' : null }, name ) ) ) ), materials ) ),
+		muted( 'Each ball under one light: left half by the left side, right half by the truth.' ),
 		el( 'div', { class: 'bar' }, engines.row, files ) );
 
 	/** Shows what the page does, with the seconds since it began, or the progress from 0 to 1. */
@@ -116,10 +120,10 @@ export function planned( show, light, signal ) {
 			offer();
 			rows = meshes.map( ( { name, material } ) => {
 				const [ use, error ] = [ el( 'td', { class: 'number' }, '–' ), el( 'td', { class: 'number' }, '–' ) ];
-				const swatch = el( 'span', { class: 'swatch', 'aria-hidden': 'true' } );
+				const swatch = el( 'canvas', { class: 'swatch', width: 1, height: 1, 'aria-hidden': 'true' } );
 				swatch.style.background = `rgb(${ material.factors.base.map( srgb ) })`;
 				const { alpha_x: x, alpha_y: y } = material;
-				return { name, use, error, row: el( 'tr', {}, el( 'th', { scope: 'row' }, swatch, name ), el( 'td', { class: 'number' }, x === y ? number( x ) : `${ number( x ) }, ${ number( y ) }` ), use, error ) };
+				return { name, material, swatch, use, error, row: el( 'tr', {}, el( 'th', { scope: 'row' }, swatch, name ), el( 'td', { class: 'number' }, x === y ? number( x ) : `${ number( x ) }, ${ number( y ) }` ), use, error ) };
 			} );
 			fill( materials, rows.map( ( { row } ) => row ) );
 			busy( 'Planning the best table for this scene…' );
@@ -145,6 +149,16 @@ export function planned( show, light, signal ) {
 		},
 		/** Shows the mean error of each material, or null for a material that is not visible. */
 		showErrors: ( errors ) => errors.forEach( ( error, i ) => rows[ i ] && fill( rows[ i ].error, error ? percent( error.sides[ 0 ].mean, 2 ) : 'not visible' ) ),
+		/** Whether the scene has a plan. */
+		isPlanned: () => Boolean( answer ),
+		/** Shows the picture of each material that `draw` makes on a canvas. */
+		paint( canvas, draw ) {
+			for ( const { material, swatch } of rows.slice( 0, PAINTED ) ) {
+				draw( material );
+				[ swatch.width, swatch.height ] = [ canvas.width, canvas.height ];
+				swatch.getContext( '2d' ).drawImage( canvas, 0, 0 );
+			}
+		},
 		/** Whether the service works for this scene. */
 		isBusy: () => isBusy,
 		hide: ( isHidden ) => root.hidden = isHidden || ! scene,

@@ -49,18 +49,17 @@ function corners( gl, numbers, uv ) {
 	} };
 }
 
-/** Texels per side of the image with the errors. */
-const BLOCKS = 64;
+/** Pixels per side of a tile, as in `glsl/errors.glsl`. */
+const TILE = 4;
 
 /** Draws scenes on a canvas. The models come from `viewer/models.js`. */
 export function device( canvas ) {
 	const gl = canvas.getContext( 'webgl2', { alpha: false, antialias: false, preserveDrawingBuffer: true } );
 	if ( ! gl ) throw new Error( 'the viewer needs WebGL 2, which this browser does not have' );
 	if ( ! gl.getExtension( 'EXT_color_buffer_float' ) ) throw new Error( 'the viewer needs the WebGL extension EXT_color_buffer_float, which this browser or its graphics driver does not have' );
-	const blocks = target( gl, [ gl.RGBA32F, gl.RGBA32F ], BLOCKS, BLOCKS );
 	const known = new Map();
-	/** Pixels per side, the target of the surface, and a pair of targets for each sum: the last of a pair is the newest. */
-	let [ size, surfaceTarget, depth, pairs ] = [ 0, null, null, new Map() ];
+	/** Pixels per side, the targets of the surface and of the tiles, and a pair of targets for each sum: the last of a pair is the newest. */
+	let [ size, surfaceTarget, tiles, depth, pairs ] = [ 0, null, null, null, new Map() ];
 
 	/** Returns the program, texture or mesh for a key. The first call creates it. */
 	function once( key, make ) {
@@ -117,10 +116,11 @@ export function device( canvas ) {
 		resize( pixels ) {
 			if ( pixels === size ) return;
 			size = canvas.width = canvas.height = pixels;
-			for ( const one of [ surfaceTarget, visible, ...[ ...pairs.values() ].flat() ] ) release( gl, one );
+			for ( const one of [ surfaceTarget, tiles, visible, ...[ ...pairs.values() ].flat() ] ) release( gl, one );
 			visible = null;
 			gl.deleteRenderbuffer( depth );
 			pairs = new Map();
+			tiles = target( gl, [ gl.RGBA32F, gl.RGBA32F ], Math.ceil( size / TILE ), Math.ceil( size / TILE ) );
 			surfaceTarget = target( gl, SURFACE_TEXTURES.map( () => gl.RGBA32F ), size, size );
 			depth = gl.createRenderbuffer();
 			gl.bindRenderbuffer( gl.RENDERBUFFER, depth );
@@ -193,27 +193,11 @@ export function device( canvas ) {
 			// Reading a pixel waits for the GPU, so that the frame time is correct.
 			gl.readPixels( 0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array( 4 ) );
 		},
-		/**
-		 * The errors of both sides against the truth: mean and largest, the noise of the truth (root of the mean square), all relative to
-		 * the mean light, and the difference of radiance that 95 % of the blocks do not exceed. Measures
-		 * all pixels, or those of a mesh by its number, relative to the light of the result for all pixels. Returns null without light.
-		 */
-		errors( uniforms, number = - 1, whole = null ) {
-			run( once( 'errors', () => program( gl, errorsShader() ) ), blocks, { ...uniforms, number, block: Math.ceil( size / BLOCKS ) }, sides() );
-			const [ sums, others ] = [ 0, 1 ].map( ( i ) => read( blocks, i, 0, 0, BLOCKS, BLOCKS ) );
-			const column = ( numbers, c ) => Array.from( { length: BLOCKS * BLOCKS }, ( _, i ) => numbers[ 4 * i + c ] );
-			const sum = ( values ) => values.reduce( ( a, b ) => a + b, 0 );
-			const [ pixels, light, ...off ] = [ 0, 1, 2, 3 ].map( ( c ) => sum( column( sums, c ) ) );
-			const ofAll = whole?.light ?? light / pixels;
-			if ( ! ( ofAll > 0 && pixels > 0 ) ) return null;
-			const largest = [ 0, 1 ].map( ( c ) => column( others, c ).reduce( ( a, b ) => Math.max( a, b ), 0 ) );
-			const differences = column( others, 3 ).filter( ( _, i ) => sums[ 4 * i ] > 0 ).sort( ( a, b ) => a - b );
-			return {
-				sides: [ 0, 1 ].map( ( i ) => ( { mean: Math.max( off[ i ], 0 ) / pixels / ofAll, worst: largest[ i ] / ofAll } ) ),
-				noise: Math.sqrt( sum( column( others, 2 ) ) / pixels ) / ofAll,
-				light: ofAll,
-				difference: differences[ Math.floor( 0.95 * ( differences.length - 1 ) ) ],
-			};
+		/** Sums over tiles for `viewer/errors.js`: of all pixels, or of those of a mesh by its number. */
+		tiles( uniforms, number = - 1 ) {
+			run( once( 'errors', () => program( gl, errorsShader() ) ), tiles, { ...uniforms, number }, sides() );
+			const [ sums, truths ] = [ 0, 1 ].map( ( i ) => read( tiles, i, 0, 0, tiles.width, tiles.width ) );
+			return { width: tiles.width, sums, truths };
 		},
 		/** The sums at a pixel: the left side, the right side, and both halves of the truth. Missing sums are null. */
 		at( x, y ) {
