@@ -53,6 +53,14 @@ await withWorld( async ( { open } ) => {
 		return [ red, blue ];
 
 	} );
+	// The ball of the material: both halves, left and right of the middle.
+	const ball = await page.waitForFunction( () => {
+
+		const swatch = document.querySelector( '.swatch' );
+		return swatch.width > 1 && [ 24, 40 ].map( ( x ) => [ ...swatch.getContext( '2d' ).getImageData( x, 24, 1, 1 ).data ] );
+
+	} );
+	const halves = await ball.jsonValue();
 	const violations = [];
 	await page.evaluate( AXE );
 	for ( const colorScheme of [ 'light', 'dark' ] ) {
@@ -118,6 +126,6 @@ await withWorld( async ( { open } ) => {
 	const savedByKeys = keys.waitForEvent( 'download' );
 	await keys.keyboard.press( 'Enter' );
 	keyed.saved = ( await savedByKeys ).suggestedFilename();
-	return { light, keyed, size, first, digest, sentence, material, blue, violations, name: download.suggestedFilename(), names: Object.keys( files ).sort(), readme: files[ 'README.md' ], missing };
+	return { light, keyed, halves, size, first, digest, sentence, material, blue, violations, name: download.suggestedFilename(), names: Object.keys( files ).sort(), readme: files[ 'README.md' ], missing };
 
 } );

@@ -279,6 +279,11 @@ fn a_scene_dropped_on_any_page_is_lit_planned_and_packed_for_an_engine() {
     let material = seen["material"].as_str().unwrap_or_default();
     assert!(material.starts_with("blue plastic\t0.25\t") && material.ends_with(" %"), "{seen:#}");
     assert!(seen["blue"][1].as_u64() > seen["blue"][0].as_u64().map(|red| red + 20), "{seen:#}");
+    // The ball of the material is blue in both halves: by the table and by the truth.
+    for half in 0..2 {
+        let [red, blue] = [0, 2].map(|channel| seen["halves"][half][channel].as_u64().expect("a byte"));
+        assert!(blue > red + 20, "{seen:#}");
+    }
     assert_eq!((&seen["violations"], &seen["name"]), (&json!([]), &json!("ball-wgpu.zip")), "{seen:#}");
     let names: Vec<&str> = seen["names"].as_array().expect("names").iter().filter_map(Value::as_str).collect();
     assert!(["README.md", "ltc.json", "ltcforge.json"].iter().all(|name| names.contains(name)), "{seen:#}");
