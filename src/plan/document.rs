@@ -119,6 +119,7 @@ fn table(plan: &TablePlan<'_>) -> Value {
         "worst_light": plan.worst_light.map(|(name, error)| json!({ "name": name, "error": error })),
         "model": shading.without().map(|without| without.model),
         "rule": shading.without().and_then(|without| without.rule),
+        "use_closed_form": plan.form_first().is_some(),
         "without_table": shading.without_table,
         "whole": {
             "recipe_digest": digest(&whole.recipe), "bytes": whole.bytes, "predicted_error": whole.predicted,

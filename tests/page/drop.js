@@ -33,8 +33,10 @@ await withWorld( async ( { open } ) => {
 	}, scene );
 	await page.dispatchEvent( 'main', 'drop', { dataTransfer: data } );
 	const panel = page.locator( '.scene' );
-	// At first, the picture uses the table of engines. Then it uses the planned table.
-	const first = await page.locator( '.page-viewer .shown .figures tbody th' ).first().textContent();
+	// The picture follows the advice of the plan, and then the user.
+	await page.waitForFunction( () => /closed form/.test( document.querySelector( '.page-viewer .shown .figures tbody th' )?.textContent ) );
+	const advised = await page.locator( '.page-viewer .shown .figures tbody th' ).first().textContent();
+	await page.getByRole( 'button', { name: 'Fit the planned table' } ).click();
 	await page.waitForFunction( () => /planned table/.test( document.querySelector( '.page-viewer .shown .figures tbody th' )?.textContent ) );
 	const digest = await page.evaluate( () => new URLSearchParams( location.hash.split( '?' )[ 1 ] ).get( 'table' ) );
 	const sentence = await panel.locator( 'p' ).first().textContent();
@@ -80,9 +82,24 @@ await withWorld( async ( { open } ) => {
 	const download = await saved;
 	const files = unzipped( await readFile( await download.path() ) );
 
-	// A reload keeps the file. Without it, the page says what is missing.
+	// Another size of the window starts the picture again.
+	const errors = [];
+	for ( const height of [ 900, 650 ] ) {
+
+		const before = await page.locator( '.stage canvas' ).getAttribute( 'width' );
+		await page.setViewportSize( { width: 900, height } );
+		await page.waitForFunction( ( before ) => document.querySelector( '.stage canvas' ).getAttribute( 'width' ) !== before, before );
+		await page.waitForFunction( () => Number( document.querySelector( '.stage canvas' ).dataset.samples ) >= 16 );
+		errors.push( await page.evaluate( () => JSON.parse( document.querySelector( '.stage canvas' ).dataset.errors ).sides[ 0 ].mean ) );
+
+	}
+
+	// A reload keeps the file and the choice of the left side. Without the file, the page says what is missing.
+	await page.locator( '#model' ).selectOption( 'engines' );
 	await page.reload();
 	await page.waitForFunction( () => document.querySelector( '#view-surface' )?.value === 'mesh' );
+	await page.waitForFunction( () => document.querySelector( '.scene p' )?.textContent );
+	const reloaded = await page.locator( '#model' ).inputValue();
 	// All sources and shaders of the viewer, compressed.
 	const sources = await page.evaluate( () => [ location.href, ...performance.getEntriesByType( 'resource' ).map( ( { name } ) => name ) ].filter( ( name ) => ! /\/v1\/|healthz|version|published/.test( name ) ) );
 	let size = 0;
@@ -111,7 +128,7 @@ await withWorld( async ( { open } ) => {
 	const chooser = keys.waitForEvent( 'filechooser' );
 	await keys.keyboard.press( 'Space' );
 	await ( await chooser ).setFiles( { name: 'keys.glb', mimeType: 'model/gltf-binary', buffer: Buffer.from( scene ) } );
-	await keys.waitForFunction( () => /planned table/.test( document.querySelector( '.page-viewer .shown .figures tbody th' )?.textContent ) );
+	await keys.waitForFunction( () => /closed form/.test( document.querySelector( '.page-viewer .shown .figures tbody th' )?.textContent ) && document.querySelector( '.scene p' )?.textContent );
 	await presses( () => document.activeElement.id === 'model' );
 	await keys.keyboard.press( 'Home' );
 	await presses( () => document.activeElement.value === 'engines', 'ArrowDown' );
@@ -126,6 +143,6 @@ await withWorld( async ( { open } ) => {
 	const savedByKeys = keys.waitForEvent( 'download' );
 	await keys.keyboard.press( 'Enter' );
 	keyed.saved = ( await savedByKeys ).suggestedFilename();
-	return { light, keyed, halves, size, first, digest, sentence, material, blue, violations, name: download.suggestedFilename(), names: Object.keys( files ).sort(), readme: files[ 'README.md' ], missing };
+	return { light, keyed, halves, advised, errors, reloaded, size, digest, sentence, material, blue, violations, name: download.suggestedFilename(), names: Object.keys( files ).sort(), readme: files[ 'README.md' ], missing };
 
 } );

@@ -47,6 +47,17 @@ await withWorld( async ( { open } ) => {
 	await page.evaluate( () => new Promise( ( done ) => requestAnimationFrame( () => requestAnimationFrame( done ) ) ) );
 	const meshed = await bytes();
 	const apart = Math.max( ...meshed.map( ( byte, i ) => Math.abs( byte - own[ i ] ) ) );
+	// The service renders the same sphere on the CPU.
+	const ofCpu = await page.evaluate( async () => {
+
+		const parameters = new URLSearchParams( { scene: 'sphere', model: 'normals', alpha_x: 0.5, alpha_y: 0.2, rotation: 0.6, size: 512, camera_distance: 9, camera_elevation: 0.2, field_of_view: 0.5, light: 'rectangle', light_centre: '-1.3,1.4,1.2', light_half_size: '0.7,0.45' } );
+		const image = await createImageBitmap( await ( await fetch( `v1/preview?${ parameters }` ) ).blob() );
+		const canvas = Object.assign( document.createElement( 'canvas' ), { width: 512, height: 512 } );
+		canvas.getContext( '2d' ).drawImage( image, 0, 0 );
+		return [ ...canvas.getContext( '2d' ).getImageData( 190, 190, 132, 132 ).data ];
+
+	} );
+	const fromCpu = Math.max( ...meshed.map( ( byte, i ) => Math.abs( byte - ofCpu[ i ] ) ) );
 	const small = sphere( 2, material );
 	const outside = structuredClone( small.document );
 	outside.accessors[ 0 ].count = 99;
@@ -60,6 +71,6 @@ await withWorld( async ( { open } ) => {
 		await offer( 'bad4.glb', glb( { ...small, document: { ...small.document, nodes: [ { children: [ 0 ] } ] } } ) ),
 		await offer( 'bad5.glb', glb( { ...small, document: { ...small.document, extensionsRequired: [ 'KHR_draco_mesh_compression' ] } } ) ),
 	];
-	return { note, bright: Math.max( ...own.filter( ( _, i ) => i % 4 < 3 ) ), apart, faults };
+	return { note, bright: Math.max( ...own.filter( ( _, i ) => i % 4 < 3 ) ), apart, from_cpu: fromCpu, faults };
 
 } );

@@ -11,7 +11,7 @@ await withWorld( async ( { open } ) => {
 	const page = await open( 'viewer?size=128&spp=16', { viewport: { width: 900, height: 650 } } );
 	const ball = sphere( 24, { name: 'red plastic', pbrMetallicRoughness: { metallicFactor: 0, roughnessFactor: 0.4, baseColorFactor: [ 0.5, 0.1, 0.05, 1 ] } } );
 	await page.locator( '#mesh' ).setInputFiles( { name: 'ball.glb', mimeType: 'model/gltf-binary', buffer: Buffer.from( glb( ball ) ) } );
-	await page.waitForFunction( () => /planned table/.test( document.querySelector( '.page-viewer .shown .figures tbody th' )?.textContent ) );
+	await page.waitForFunction( () => document.querySelector( '.scene p' )?.textContent );
 	const archives = {};
 	for ( const engine of await page.locator( '#view-engine option' ).evaluateAll( ( options ) => options.map( ( { value } ) => value ) ) ) {
 

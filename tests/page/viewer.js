@@ -13,10 +13,10 @@ const KT2022 = fileURLToPath( new URL( '../../src/server/page/published/kt2022.n
 /** Pixels per side of the viewer's image. */
 const SIZE = 512;
 
-/** Twenty pixels that lie on the sphere, and on the floor below the horizon. */
-const PLACES = Array.from( { length: 20 }, ( _, i ) => {
+/** Thirty pixels that lie on the sphere, and on the floor below the horizon. */
+const PLACES = Array.from( { length: 30 }, ( _, i ) => {
 
-	const [ angle, radius ] = [ 2.4 * i, 100 * Math.sqrt( ( i + 0.5 ) / 20 ) ];
+	const [ angle, radius ] = [ 2.4 * i, 100 * Math.sqrt( ( i + 0.5 ) / 30 ) ];
 	return [ Math.round( SIZE / 2 + radius * Math.cos( angle ) ), Math.round( SIZE / 2 + radius * Math.sin( angle ) ) ];
 
 } );

@@ -134,7 +134,8 @@ fn lit_by(name: &str) -> Option<(LitBy, Reading)> {
     }
     if let Some(rule) = name.strip_prefix("normals-") {
         let rule = NormalsRule::SHADED.iter().copied().find(|known| known.name() == rule)?;
-        return Some((LitBy::new(LightModel::Normals, None).ok()?.by_rule(Some(rule)).ok()?, Reading::default()));
+        let by_rule = LitBy::new(LightModel::Normals, None).ok()?.by_rule(Some(rule)).ok()?;
+        return Some((by_rule.with(additions).ok()?, Reading::default()));
     }
     let (layout, two_lobes) = without(name.strip_prefix("ltc-")?, "-two-lobes");
     let layout = Layout::ALL.iter().find(|known| known.name() == layout)?;

@@ -2,7 +2,7 @@
 
 import { el, fill, notice, takeDrops } from './elements/dom.js';
 import { awaitService, call, isUp, watchService } from './service/api.js';
-import { keep } from './service/kept.js';
+import { hold } from './service/kept.js';
 
 /** Loads the module of a page. `rest` is the part of the address after the page's name. A module exports `show( root, rest, parameters, signal )`, which may return a function that refreshes the page. */
 const PAGES = {
@@ -90,8 +90,8 @@ document.querySelector( '.skip' ).addEventListener( 'click', ( event ) => {
 } );
 
 // A scene can be dropped on every page. The viewer shows it.
-takeDrops( document, async ( file ) => {
-	await keep( file );
+takeDrops( document, ( file ) => {
+	hold( file );
 	const hash = `#/viewer?${ new URLSearchParams( { dropped: file.name } ) }`;
 	if ( location.hash === hash ) show();
 	else location.hash = hash;

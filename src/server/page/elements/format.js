@@ -13,6 +13,9 @@ export const whole = ( count ) => count.toLocaleString( 'en' );
 /** A fraction in percent. */
 export const percent = ( part, digits = 1 ) => `${ ( 100 * part ).toFixed( digits ) } %`;
 
+/** The sign before an error that is still measured: noise makes it too small. */
+export const atLeast = ( isDone ) => isDone ? '' : '≥ ';
+
 /** An angle in whole degrees. */
 export const degrees = ( radians ) => `${ Math.round( radians * 180 / Math.PI ) }°`;
 

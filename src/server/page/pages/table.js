@@ -17,7 +17,7 @@ function labelField( digest, changed ) {
 			fill( fault );
 			changed();
 		} catch {
-			fill( fault, notice( 'This browser keeps no labels for this page.' ) );
+			fill( fault, notice( 'This browser blocks storage, so the label is not saved.' ) );
 		}
 	} } );
 	return el( 'div', { class: 'field label-field' }, el( 'label', { for: 'label' }, 'Label, kept in this browser' ), input, fault );

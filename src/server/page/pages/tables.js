@@ -1,6 +1,6 @@
 // The list of tables: search, sort, and select tables to compare.
 
-import { bar, button, el, fill } from '../elements/dom.js';
+import { bar, button, el, fill, muted } from '../elements/dom.js';
 import { age, bytes, percent, short } from '../elements/format.js';
 import { domain, isLookup, labelOf, wholeTitle } from '../elements/recipe.js';
 import { call } from '../service/api.js';
@@ -44,7 +44,8 @@ export async function show( root, rest, parameters, signal ) {
 	const headings = COLUMNS.map( ( [ name, , title ], column ) => el( 'th', { scope: 'col', class: column ? 'number' : null }, el( 'button', { type: 'button', class: 'sort', title, onclick: () => sort( column ) }, name ) ) );
 	const outer = [ [ 'picture', 'Picture' ], [ 'choose', 'Compare' ] ].map( ( [ name, text ] ) => el( 'th', { scope: 'col', class: name }, hidden( text ) ) );
 	const list = el( 'table', { class: 'list' }, hidden( 'Tables', 'caption' ), el( 'thead', {}, el( 'tr', {}, outer[ 0 ], headings, outer[ 1 ] ) ), body );
-	fill( root, bar( 'Tables', count, el( 'label', { for: 'search', class: 'hidden' }, 'Search' ), search, compare ), list, more );
+	fill( root, bar( 'Tables', count, el( 'label', { for: 'search', class: 'hidden' }, 'Search' ), search, compare ), list, pictures, more );
+	const pictures = muted( 'Pictures: a silver sphere under a rectangle, with alpha 0.5 and 0.1, or 0.2 for isotropic tables.' );
 	let empty = null;
 
 	function sort( column ) {
@@ -83,6 +84,7 @@ export async function show( root, rest, parameters, signal ) {
 		const words = search.value.toLowerCase().split( /\s+/ ).filter( Boolean );
 		const [ , key ] = COLUMNS[ order.column ];
 		const found = [ ...rows.values() ].filter( ( { title, digest, recipe_digest } ) => words.every( ( word ) => `${ title } ${ digest } ${ recipe_digest }`.toLowerCase().includes( word ) ) );
+		for ( const { row, created_at: created } of found ) row.querySelector( 'time' ).textContent = age( created );
 		found.sort( ( a, b ) => order.sign * ( ( key( a ) > key( b ) ) - ( key( a ) < key( b ) ) ) );
 		headings.forEach( ( heading, column ) => {
 			heading.removeAttribute( 'aria-sort' );
@@ -94,7 +96,7 @@ export async function show( root, rest, parameters, signal ) {
 		fill( count, found.length === rows.size ? `${ rows.size }${ next ? ' and more' : '' }` : `${ found.length } of ${ rows.size }`, isMixed && '; errors of different surfaces or ranges are not comparable' );
 		if ( rows.size === 0 && ! empty ) root.append( empty = firstTable( signal ) );
 		if ( empty ) empty.hidden = rows.size > 0;
-		list.hidden = rows.size === 0;
+		list.hidden = pictures.hidden = rows.size === 0;
 		more.hidden = ! next;
 	}
 

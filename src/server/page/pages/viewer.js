@@ -1,14 +1,14 @@
 // The viewer: compares tables, models without a table and the shading of engines with the truth or with each other, on the user's GPU.
 
 import { bar, copyButton, el, facts, fileField, fill, muted, notice, takeDrops } from '../elements/dom.js';
-import { number, percent, short, whole } from '../elements/format.js';
+import { atLeast, number, percent, whole } from '../elements/format.js';
 import { isLookup, nameOf } from '../elements/recipe.js';
 import { readGltf } from '../gltf/read.js';
 import { call } from '../service/api.js';
 import { keep, kept } from '../service/kept.js';
 import { choice, slider } from '../viewer/controls.js';
 import { lightsPanel } from '../viewer/lights.js';
-import { modelOf, NAMED, textOf } from '../viewer/models.js';
+import { modelOf, NAMED, NORMALS, textOf } from '../viewer/models.js';
 import { ownLights } from '../viewer/own_lights.js';
 import { planned } from '../viewer/planned.js';
 import { picture } from '../viewer/picture.js';
@@ -39,8 +39,8 @@ export async function show( root, rest, parameters, signal ) {
 	const items = listed.items.filter( ( { recipe } ) => ! recipe || ! isLookup( recipe ) );
 	const known = [ ...new Set( [ scene.table, scene.against, ...items.map( ( { digest } ) => digest ) ] ) ].filter( ( name ) => name && name !== 'normals' && ! Object.hasOwn( NAMED, name ) );
 	const models = [ ...Object.entries( NAMED ), ...known.map( ( digest ) => [ digest, `table ${ nameOf( items.find( ( item ) => item.digest === digest ) ?? { digest } ) }` ] ) ];
-	const lefts = [ [ '', 'normals, no table' ], ...models ];
-	const rights = [ [ '', TRUTH ], [ 'normals', 'normals, no table' ], ...models ];
+	const lefts = [ [ '', NORMALS ], ...models ];
+	const rights = [ [ '', TRUTH ], [ 'normals', NORMALS ], ...models ];
 	const chosen = ( name, label, options, id = `view-${ name }` ) => choice( id, label, options, scene[ name ], ( value ) => change( name, value ) );
 	const table = chosen( 'table', 'Left side', lefts, 'model' );
 	const against = chosen( 'against', 'Right side', rights, 'against' );
@@ -48,7 +48,7 @@ export async function show( root, rest, parameters, signal ) {
 	const [ occluders, shadows ] = [ chosen( 'occluders', 'Occluders', CHOICES.occluders.map( ( name ) => [ name, name.replaceAll( '_', ' ' ) ] ) ), chosen( 'shadows', 'Shadows', [ [ '4', '4 samples per pixel' ], [ '1', '1 sample per pixel' ], [ 'off', 'only in the truth' ] ] ) ];
 	const [ glow, diffuse ] = [ chosen( 'glow', 'Lights', [ [ 'on', 'shown' ], [ 'off', 'hidden' ] ] ), chosen( 'diffuse', 'Diffuse part', CHOICES.diffuse ) ];
 	const sliders = PARAMETERS.map( ( field ) => slider( field, '', change ) );
-	const split = slider( { name: 'split', label: 'Border at', min: 0, max: 1, step: 0.01 }, '', change );
+	const split = slider( { name: 'split', label: 'Split position', min: 0, max: 1, step: 0.01 }, '', change );
 	const opened = el( 'div', { role: 'status' } );
 	const group = ( legend, ...rows ) => el( 'fieldset', {}, el( 'legend', {}, legend ), rows );
 	const rows = ( ...names ) => sliders.filter( ( { name } ) => names.some( ( prefix ) => name.startsWith( prefix ) ) ).map( ( { row } ) => row );
@@ -60,14 +60,14 @@ export async function show( root, rest, parameters, signal ) {
 		pointed = place;
 		requestFrame();
 	} );
-	const dropped = planned( ( name ) => {
-		if ( name.startsWith( 'sha256:' ) ) {
-			const known = lefts.findIndex( ( [ other ] ) => other === name );
-			lefts.splice( known < 0 ? lefts.length : known, 1, [ name, `planned table ${ short( name ) }` ] );
+	const dropped = planned( ( name, label ) => {
+		for ( const [ control, options, chosen ] of [ [ table, lefts, name ], [ against, rights, scene.against ] ] ) {
+			const known = options.findIndex( ( [ other ] ) => other === name );
+			if ( label ) options.splice( known < 0 ? options.length : known, 1, [ name, label ] );
+			control.offer( options, chosen );
 		}
-		table.offer( lefts, name );
 		change( 'table', name );
-	}, useLights, signal );
+	}, () => scene.table, useLights, signal );
 	const place = el( 'div', { class: 'stage' }, canvas, overlay.root );
 	fill( root,
 		bar( 'Viewer', null, copyButton( 'Copy link', () => location.href ) ),
@@ -139,7 +139,8 @@ export async function show( root, rest, parameters, signal ) {
 		}
 	}
 
-	async function open( file ) {
+	/** Opens a glTF file. If it is new, its plan chooses the left side. */
+	async function open( file, isNew = true ) {
 		try {
 			const { meshes, place: found, triangles, notes } = await readGltf( await file.arrayBuffer() );
 			if ( signal.aborted ) return;
@@ -149,7 +150,7 @@ export async function show( root, rest, parameters, signal ) {
 			fill( opened, muted( [ `${ whole( triangles ) } triangles, ${ meshes.length } material${ meshes.length > 1 ? 's' : '' }`, ...notes ].join( '; ' ) ) );
 			scene.mesh = file.name;
 			change( 'surface', 'mesh' );
-			dropped.start( file, meshes );
+			dropped.start( file, meshes, isNew );
 		} catch ( error ) {
 			fill( opened, notice( `${ file.name }: ${ error.message }` ) );
 		}
@@ -158,19 +159,19 @@ export async function show( root, rest, parameters, signal ) {
 	/** Replaces the light of a dropped scene by its own lights, unless the user has changed the light. Returns a sentence about the lights. */
 	function useLights( found ) {
 		const { lights: own, count } = ownLights( found, sceneAt );
-		if ( ! count ) return 'The scene has no area lights; drag the rectangle.';
-		if ( ! areNew( scene.lights ) ) return `Area lights of the scene: ${ count }. The lights below are those of the link.`;
+		if ( ! count ) return 'The scene has no area lights. The plan judges by random rectangles around each surface, not by the light shown here, which you can drag.';
+		if ( ! areNew( scene.lights ) ) return `The scene has ${ count } area lights. Your own lights are used instead.`;
 		scene.lights = own;
 		lights.take( 0 );
 		change( 'lights', own );
-		return `Lit by ${ own.length < count ? `the strongest ${ own.length } of ` : '' }the scene’s own area lights (${ count }), at a common brightness.`;
+		return `Lit by ${ own.length < count ? `the ${ own.length } strongest of ` : '' }the scene’s ${ count } area lights, scaled by one factor.`;
 	}
 
 	/** Opens the file that the link names, if this browser keeps it. */
 	async function reopen() {
 		const file = await kept();
-		if ( file && file.name === scene.mesh ) return open( file );
-		fill( opened, notice( `This browser does not have ${ scene.mesh || 'the glTF file' } of the link. Drop the file here to see it.` ) );
+		if ( file && file.name === scene.mesh ) return open( file, parameters.has( 'dropped' ) );
+		fill( opened, notice( `This link shows ${ scene.mesh || 'a glTF file' }, but links contain no files. Drop the file here.` ) );
 		change( 'surface', CHOICES.surface[ 0 ] );
 	}
 	takeDrops( place, open );
@@ -219,7 +220,7 @@ export async function show( root, rest, parameters, signal ) {
 			}
 			last = drawn.draw( scene, size(), mesh, lit, lights.layers, texts );
 			showFigures();
-			if ( last.ofMeshes ) dropped.showErrors( last.ofMeshes );
+			if ( last.ofMeshes ) dropped.showErrors( last.ofMeshes, last.isDone );
 		} catch ( error ) {
 			return failed( error );
 		}
@@ -231,7 +232,7 @@ export async function show( root, rest, parameters, signal ) {
 	/** The error of a side, and its value under the pointer. */
 	function row( name, error, value, truth ) {
 		const away = value !== null && value !== undefined && truth ? ` (${ value < truth ? '−' : '+' }${ percent( Math.abs( value / truth - 1 ) ) })` : '';
-		return el( 'tr', {}, el( 'th', { scope: 'row' }, name ), [ error && percent( error.mean, 2 ), error && percent( error.worst, 0 ), `${ number( value ) }${ away }` ].map( ( text ) => el( 'td', { class: 'number' }, text ?? '–' ) ) );
+		return el( 'tr', {}, el( 'th', { scope: 'row' }, name ), [ error && `${ atLeast( last.isDone ) }${ percent( error.mean, 2 ) }`, error && percent( error.worst, 0 ), `${ number( value ) }${ away }` ].map( ( text ) => el( 'td', { class: 'number' }, text ?? '–' ) ) );
 	}
 
 	function showFigures() {
@@ -244,7 +245,7 @@ export async function show( root, rest, parameters, signal ) {
 		canvas.dataset.errors = JSON.stringify( errors );
 		fill( figures,
 			el( 'table', { class: 'figures' },
-				el( 'thead', {}, el( 'tr', {}, [ 'Error against the truth', 'mean', 'worst', 'at the pointer' ].map( ( name, i ) => el( 'th', { scope: 'col', class: i ? 'number' : null }, name ) ) ) ),
+				el( 'thead', {}, el( 'tr', {}, [ 'Error against the truth', 'mean', 'worst', 'radiance at the pointer' ].map( ( name, i ) => el( 'th', { scope: 'col', class: i ? 'number' : null }, name ) ) ) ),
 				el( 'tbody', {},
 					row( `Left: ${ label( lefts, scene.table ) }`, errors?.sides[ 0 ], at.left, at.truth ),
 					right ? row( `Right: ${ label( rights, scene.against ) }`, errors?.sides[ 1 ], at.right, at.truth ) : null,

@@ -53,7 +53,7 @@ export function downloads( digest, recipe, signal ) {
 		const [ engines, others ] = [ false, true ].map( ( isFormat ) => items.filter( ( { name } ) => FORMATS.test( name ) === isFormat ).map( ( { name } ) => files( digest, name, signal ) ) );
 		// An engine that reads another layout needs another table. Its recipe is the standard table in this layout.
 		const missing = isLookup( recipe ) ? [] : ENGINES.filter( ( [ known ] ) => items.every( ( { name } ) => name !== known ) );
-		fill( list, engines, missing.length > 0 && muted( 'These engines read other layouts; fit a table for ', missing.map( ( [ , label, layout ], i ) => [ i ? ', ' : '', el( 'a', { href: formOf( { preset: 'standard', layout } ) }, label ) ] ), '.' ), el( 'details', { class: 'group' }, el( 'summary', {}, `Other formats (${ others.length })` ), el( 'div', { class: 'inner' }, others ) ) );
+		fill( list, engines, missing.length > 0 && muted( 'Other engines need another layout. Fit a table for ', missing.map( ( [ , label, layout ], i ) => [ i ? ', ' : '', el( 'a', { href: formOf( { preset: 'standard', layout } ) }, label ) ] ), '.' ), el( 'details', { class: 'group' }, el( 'summary', {}, `Other formats (${ others.length })` ), el( 'div', { class: 'inner' }, others ) ) );
 	};
 	call( `/v1/tables/${ digest }/exports`, { signal } ).then( showExports, ( error ) => signal.aborted || fill( list, notice( error.message ) ) );
 	return section( 'downloads', 'Files for engines', list );

@@ -21,7 +21,7 @@ export function firstTable( signal ) {
 		}
 	} }, 'Fit the standard table (1 s)' );
 	const root = el( 'div', { class: 'empty' }, picture, el( 'div', {},
-		el( 'p', {}, 'This service has no tables yet. A table holds lobes of light for a range of materials. The sphere is lit by a closed form, which needs no table.' ),
+		el( 'p', {}, 'This service has no tables yet. A table stores how a range of materials reflects area lights. The sphere is lit by a closed form, which needs no table.' ),
 		el( 'p', { class: 'actions' }, fit, el( 'a', { class: 'button', href: '#/new' }, 'Write a recipe' ), el( 'a', { class: 'button', href: '#/viewer' }, 'Open the viewer' ) ), status ) );
 	load( picture, `/v1/preview?${ new URLSearchParams( { model: 'normals', size: 384, alpha_x: 0.3, alpha_y: 0.1 } ) }`, signal );
 	return root;

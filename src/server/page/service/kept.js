@@ -11,6 +11,9 @@ async function files( mode ) {
 	return ( await done( request ) ).transaction( 'files', mode ).objectStore( 'files' );
 }
 
+/** Holds a file until a reload. */
+export const hold = ( file ) => last = file;
+
 /** Keeps a file. Without a database, for example in a private window, the file is kept until a reload. */
 export async function keep( file ) {
 	last = file;

@@ -14,7 +14,7 @@ export function lightsPanel( scene, changed, again ) {
 		changed();
 	};
 	const shape = choice( 'view-light_shape', 'Shape', shapes, scene.lights[ 0 ].shape, ( value ) => change( 'shape', value ) );
-	const sides = choice( 'view-light_sides', 'Shines from', Object.entries( LIT_SIDES ), '', ( value ) => change( 'sides', value ) );
+	const sides = choice( 'view-light_sides', 'Emits from', Object.entries( LIT_SIDES ), '', ( value ) => change( 'sides', value ) );
 	const tint = el( 'input', { type: 'color', id: 'view-light_colour', oninput: () => change( 'colour', tint.value ) } );
 	const colour = el( 'div', { class: 'field' }, el( 'label', { for: tint.id }, 'Colour' ), tint );
 	const shown = screens( ( value ) => change( 'picture', value ), again );

@@ -3,8 +3,11 @@
 import { call, manifest, reach } from '../service/api.js';
 import { hasReference } from '../webgl/shaders.js';
 
-/** Models that are no tables of the service: name in a link, and label. */
-export const NAMED = { 'ltc-formula': 'ltc-formula, no table', engines: 'engines, table of 2017', kt2022: 'KT et al., table of 2022' };
+/** The label of the model whose name in a link is empty on the left side and `normals` on the right side. */
+export const NORMALS = 'closed form: normals';
+
+/** Other models that are no tables of the service: name in a link, and label. */
+export const NAMED = { 'normals-fast': `${ NORMALS }, rule fast`, 'normals-fine': `${ NORMALS }, rule fine`, 'ltc-formula': 'closed form: ltc-formula', engines: 'engine table (LTC 2017)', kt2022: 'anisotropic table of KT et al. 2022' };
 
 async function fetched( path ) {
 	const response = await reach( path );
@@ -48,7 +51,7 @@ async function shipped( name, file ) {
 
 /** The reason why the viewer cannot show a table, or an empty text. The viewer's shaders support only LTCs, and its reference supports few scattering models. */
 function unsupported( { brdf, lobe } ) {
-	if ( ! hasReference( brdf ) ) return `The viewer has references only for GGX and sheen, and this table is for ${ brdf }. The table’s page shows a picture with a reference.`;
+	if ( ! hasReference( brdf ) ) return `The viewer can compute the truth only for GGX and sheen, not for ${ brdf }. The table’s page shows a picture with a reference.`;
 	return lobe ? `The viewer shows only LTCs, and this table has lobes of type ${ lobe }. The table’s page shows a picture.` : '';
 }
 
@@ -60,7 +63,7 @@ async function found( name ) {
 	if ( name === 'engines' ) return { kind: 'engines', brdf: 'ggx', source: null, uniforms: {}, textures: await Promise.all( [ shipped( 'shipped_matrix', 'published/ltc2017_1.dds' ), shipped( 'shipped_terms', 'published/ltc2017_2.dds' ) ] ) };
 	if ( name === 'kt2022' ) return { kind: 'one', brdf: 'ggx', source: 'ltc-kt2022', ...await tableOf( '/page/kt2022-' ) };
 	if ( name === 'ltc-formula' ) return { kind: 'formula', brdf: 'ggx', source: name, uniforms: {}, textures: [] };
-	if ( ! name ) return { kind: 'normals', brdf: 'ggx', source: 'normals', uniforms: {}, textures: [] };
+	if ( ! name || name.startsWith( 'normals' ) ) return { kind: 'normals', brdf: 'ggx', source: name || 'normals', uniforms: {}, textures: [] };
 	const { recipe } = await manifest( name );
 	const reason = unsupported( recipe );
 	if ( reason ) throw new Error( reason );

@@ -58,7 +58,7 @@ export function picture( canvas ) {
 			const shown = { mesh: opened ?? [], shader_ball: [ { numbers: shaderBall(), material: { ...scene, f0: METALS[ scene.metal ], diffuse: DIFFUSE[ scene.metal ] } } ] }[ scene.surface ] ?? [];
 			gpu.forget( meshes.filter( ( { numbers } ) => shown.every( ( other ) => other.numbers !== numbers ) ) );
 			meshes = shown;
-			gpu.resize( size );
+			if ( gpu.resize( size ) ) this.restart();
 			const { eye, right, up, forward } = camera( scene );
 			const { uniforms, shapes: ofLights } = uniformsOf( scene.lights );
 			const isOccluded = scene.occluders !== 'none';

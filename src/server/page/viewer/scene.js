@@ -12,17 +12,17 @@ export const PARAMETERS = numbers( [
 	[ 'camera_elevation', 'Elevation', - 1.5, 1.5, 0.01, 0.2 ],
 	[ 'camera_distance', 'Distance', 1.5, 16, 0.01, 9 ],
 	[ 'exposure', 'Exposure', 0.1, 8, 0.01, 1 ],
-	[ 'occluder_x', 'To the right', - 2, 2, 0.01, - 0.75 ],
-	[ 'occluder_y', 'Upwards', - 1, 2, 0.01, 0.95 ],
-	[ 'occluder_z', 'To the front', - 2, 3, 0.01, 0.8 ],
+	[ 'occluder_x', 'Position x', - 2, 2, 0.01, - 0.75 ],
+	[ 'occluder_y', 'Position y', - 1, 2, 0.01, 0.95 ],
+	[ 'occluder_z', 'Position z', - 2, 3, 0.01, 0.8 ],
 	[ 'occluder_size', 'Half size', 0.05, 1, 0.01, 0.2 ],
 ] );
 
 /** Parameters of a light. In links, parameters of the second light begin with `light2_`. */
 export const OF_LIGHT = numbers( [
-	[ 'x', 'To the right', - 5, 5, 0.01, - 1.3 ],
-	[ 'y', 'Upwards', - 1, 5, 0.01, 1.4 ],
-	[ 'z', 'To the front', - 5, 5, 0.01, 1.2 ],
+	[ 'x', 'Position x', - 5, 5, 0.01, - 1.3 ],
+	[ 'y', 'Position y', - 1, 5, 0.01, 1.4 ],
+	[ 'z', 'Position z', - 5, 5, 0.01, 1.2 ],
 	[ 'width', 'Half width', 0.05, 3, 0.01, 0.7 ],
 	[ 'height', 'Half height', 0.02, 3, 0.01, 0.45 ],
 	[ 'yaw', 'Turn', - 3.14, 3.14, 0.01, 0 ],

@@ -63,7 +63,7 @@ export function screens( change, again ) {
 	let isPlaying = ! matchMedia( '(prefers-reduced-motion: reduce)' ).matches;
 	/** The position in the built-in video in seconds, and the time of the last update. */
 	let [ seconds, since ] = [ 0, null ];
-	const shows = choice( 'view-light_picture', 'Shows', [], '', change );
+	const shows = choice( 'view-light_picture', 'Image', [], '', change );
 	const play = el( 'button', { type: 'button', class: 'quiet', onclick: () => {
 		isPlaying = ! isPlaying;
 		since = null;

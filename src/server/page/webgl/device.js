@@ -112,9 +112,9 @@ export function device( canvas ) {
 		return numbers;
 	}
 	return {
-		/** Sets the number of pixels per side. */
+		/** Sets the number of pixels per side. Returns whether it has changed, so that all sums are lost. */
 		resize( pixels ) {
-			if ( pixels === size ) return;
+			if ( pixels === size ) return false;
 			size = canvas.width = canvas.height = pixels;
 			for ( const one of [ surfaceTarget, tiles, visible, ...[ ...pairs.values() ].flat() ] ) release( gl, one );
 			visible = null;
@@ -126,6 +126,7 @@ export function device( canvas ) {
 			gl.bindRenderbuffer( gl.RENDERBUFFER, depth );
 			gl.renderbufferStorage( gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, size, size );
 			gl.framebufferRenderbuffer( gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depth );
+			return true;
 		},
 		/** Draws the surface of the sphere or the floor. */
 		drawSurface: ( uniforms ) => run( once( 'surface', () => program( gl, surfaceShader() ) ), surfaceTarget, uniforms, [] ),
