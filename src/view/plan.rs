@@ -14,6 +14,12 @@ const PART: f64 = 520.0;
 const TOP: f64 = 56.0;
 const PANEL: [f64; 2] = [480.0, 400.0];
 const LEFT: [f64; 2] = [64.0, 612.0];
+/// Numbers of named materials and of letters in a name.
+const MOST_NAMES: usize = 8;
+const LONGEST: usize = 28;
+/// Pixels that a name takes.
+const WIDEST: f64 = 150.0;
+const LINE: f64 = 16.0;
 /// Radius of the mark for a roughness that covers the whole surface. The axes keep this distance from the frame.
 const LARGEST: f64 = 22.0;
 const LEAST: f64 = 1.5;
@@ -27,7 +33,7 @@ const STYLE: &str = include_str!("plan.css");
 pub fn plan_picture(plan: &Value) -> String {
     let tables = list(&plan["tables"]);
     let height = PART * tables.len() as f64;
-    let title = "The roughnesses of a scene with the nodes of its table, and the error of tables against their bytes";
+    let title = "The materials of a scene with the nodes of its table, and the error of tables against their bytes";
     let mut out = vec![
         format!(
             r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" width="{WIDTH}" height="{height}" role="img" aria-label="{title}">"#
@@ -57,10 +63,18 @@ fn text(class: &str, x: f64, y: f64, text: &str) -> String {
     format!(r#"<text class="{class}" x="{x:.1}" y="{y:.1}">{text}</text>"#)
 }
 
-/// The frame and the titles of a panel.
-fn frame(left: f64, title: &str, across: &str) -> [String; 3] {
+/// The name of a material, without letters that XML reserves.
+fn name_of(material: &Value) -> String {
+    let is_shown = |letter: &char| !letter.is_control() && !matches!(letter, '<' | '>' | '&');
+    material["name"].as_str().unwrap_or_default().chars().filter(is_shown).take(LONGEST).collect()
+}
+
+/// The frame of a panel, its title, and the names of its axes.
+fn frame(left: f64, title: &str, across: &str, up: &str) -> [String; 4] {
     let [width, height] = PANEL;
+    let (at, middle) = (left - 58.0, TOP + 0.5 * height);
     [
+        format!(r#"<text class="middle" transform="translate({at} {middle}) rotate(-90)">{up}</text>"#),
         text("title", left, 32.0, title),
         format!(r#"<rect class="frame" x="{left}" y="{TOP}" width="{width}" height="{height}"/>"#),
         text("middle", left + 0.5 * width, TOP + height + 40.0, across),
@@ -72,7 +86,12 @@ fn draw_spots(out: &mut Vec<String>, table: &Value, scene: &Value) {
     let (left, [width, height]) = (LEFT[0], PANEL);
     let x = |alpha: f64| left + LARGEST + (width - 2.0 * LARGEST) * alpha.sqrt();
     let y = |ratio: f64| TOP + LARGEST + (height - 2.0 * LARGEST) * (1.0 - ratio);
-    out.extend(frame(left, "Smaller over larger roughness, and the nodes", "perceptual roughness"));
+    out.extend(frame(
+        left,
+        "Materials (area: share of the surface) and nodes of the table (lines)",
+        "perceptual roughness",
+        "ratio of roughnesses",
+    ));
     if let Ok(recipe) = parse(table["recipe"].to_string().as_bytes(), DEFAULT_ENTRY_LIMIT) {
         let nodes = recipe.nodes();
         if recipe.layout().is_of_materials() {
@@ -89,11 +108,14 @@ fn draw_spots(out: &mut Vec<String>, table: &Value, scene: &Value) {
     }
     let lobes_of = |served: &Value| {
         let material = &scene["materials"][served["material"].as_u64().unwrap_or(u64::MAX) as usize];
-        list(&material["lobes"]).iter().find(|lobe| lobe["kind"] == served["kind"])
+        let lobe = list(&material["lobes"]).iter().find(|lobe| lobe["kind"] == served["kind"])?;
+        Some((name_of(material), lobe))
     };
-    let lobes: Vec<&Value> = list(&table["serves"]).iter().filter_map(lobes_of).collect();
-    let total: f64 = lobes.iter().map(|lobe| number(&lobe["weight"])).sum();
-    for lobe in lobes {
+    let mut lobes: Vec<(String, &Value)> = list(&table["serves"]).iter().filter_map(lobes_of).collect();
+    lobes.sort_by(|(_, a), (_, b)| number(&b["weight"]).total_cmp(&number(&a["weight"])));
+    let total: f64 = lobes.iter().map(|(_, lobe)| number(&lobe["weight"])).sum();
+    let mut named: Vec<[f64; 2]> = Vec::new();
+    for (index, (name, lobe)) in lobes.into_iter().enumerate() {
         let [alpha, ratio] = ["alpha", "ratio"].map(|axis| [0, 1].map(|end| number(&lobe[axis][end])));
         let spots = list(&lobe["spots"]);
         if spots.is_empty() {
@@ -101,6 +123,19 @@ fn draw_spots(out: &mut Vec<String>, table: &Value, scene: &Value) {
             let (at, up) = (x(alpha[0]), y(ratio[1]));
             let (across, down) = ((x(alpha[1]) - at).max(LEAST), (y(ratio[0]) - up).max(LEAST));
             out.push(format!(r#"<rect class="spot" x="{at:.1}" y="{up:.1}" width="{across:.1}" height="{down:.1}"/>"#));
+        }
+        if index < MOST_NAMES {
+            let spot = |axis: &str, range: [f64; 2]| spots.first().map_or(range[0], |spot| number(&spot[axis]));
+            let (at, up) = (x(spot("alpha", alpha)), y(spot("ratio", ratio)));
+            // A name is below its mark, and below the names that it would cover.
+            let covers = |[x, y]: &[f64; 2], up: f64| (x - at).abs() < WIDEST && (y - up).abs() < LINE;
+            let mut up = up + LARGEST + 12.0;
+            while named.iter().any(|other| covers(other, up)) {
+                up += LINE;
+            }
+            named.push([at, up]);
+            let anchor = if at > left + 0.6 * width { "end" } else { "start" };
+            out.push(text(anchor, at, up, &name));
         }
         for spot in spots {
             let (at, up) = (x(number(&spot["alpha"])), y(number(&spot["ratio"])));
@@ -117,12 +152,8 @@ fn draw_spots(out: &mut Vec<String>, table: &Value, scene: &Value) {
 /// Draws errors by bytes: the front, the choice and the table of the whole domain.
 fn draw_front(out: &mut Vec<String>, table: &Value) {
     let (left, [width, height]) = (LEFT[1], PANEL);
-    let title = if table["error_of"] == "light" {
-        "Error of the light against bytes"
-    } else {
-        "Error in lobe widths against bytes"
-    };
-    out.extend(frame(left, title, "bytes of matrices and terms"));
+    let unit = if table["error_of"] == "light" { "mean error of the light" } else { "mean error, lobe widths" };
+    out.extend(frame(left, "Tables for this scene: error against size", "bytes of matrices and terms", unit));
     let point = |of: &Value, error: &str| Some([of["bytes"].as_f64()?, of[error].as_f64()?]);
     let whole = point(&table["whole"], "error").or_else(|| point(&table["whole"], "predicted_error"));
     let chosen = point(&table["predicted"], "error").unwrap_or([1.0; 2]);
@@ -160,19 +191,14 @@ fn draw_front(out: &mut Vec<String>, table: &Value) {
         out.push(format!(r#"<circle class="{class}" cx="{at:.1}" cy="{up:.1}" r="6"/>"#));
         out.push(text(anchor, at + offset, up - 10.0, name));
     };
-    mark("chosen", chosen, "expected");
+    mark("chosen", chosen, "this table");
     if let Some(error) = table["measured"]["error"].as_f64() {
         mark("measured", [chosen[0], error], "");
     }
     if let Some(whole) = whole {
-        mark("whole", whole, "whole domain");
+        mark("whole", whole, "default table");
     }
-    out.push(text(
-        "end",
-        left + width - 8.0,
-        y(number(&table["limit"])) + 16.0,
-        "remains with any table of these lobes",
-    ));
+    out.push(text("end", left + width - 8.0, y(number(&table["limit"])) + 16.0, "more nodes cannot remove this error"));
 }
 
 /// The step that gives a range three to eight ticks: 1, 2 or 5 times a power of ten.
@@ -192,7 +218,7 @@ mod tests {
     #[test]
     fn a_document_is_drawn_and_one_without_parts_draws_less() {
         let document = serde_json::json!({
-            "scene": { "materials": [{ "lobes": [
+            "scene": { "materials": [{ "name": "<glass & b>", "lobes": [
                 { "kind": "base", "weight": 1, "alpha": [0.1, 0.1], "ratio": [1, 1],
                   "spots": [{ "alpha": 0.1, "ratio": 1, "weight": 1 }] },
                 { "kind": "clearcoat", "weight": 1, "alpha": [0.1, 0.5], "ratio": [1, 1] },
@@ -206,12 +232,17 @@ mod tests {
             }],
         });
         let svg = plan_picture(&document);
-        for part in
-            [r#"<circle class="spot""#, r#"<rect class="spot""#, r#"class="chosen""#, "whole domain", r#"class="node""#]
-        {
+        for part in [
+            r#"<circle class="spot""#,
+            r#"<rect class="spot""#,
+            r#"class="chosen""#,
+            "default table",
+            "glass  b",
+            r#"class="node""#,
+        ] {
             assert!(svg.contains(part), "{part}: {svg}");
         }
-        assert!(svg.contains("Error in lobe widths"), "{svg}");
+        assert!(svg.contains("lobe widths"), "{svg}");
         assert!(!svg.contains(r#"class="measured""#) && !svg.contains("NaN") && !svg.contains("inf"), "{svg}");
         let bare = plan_picture(&serde_json::json!({ "tables": [{}] }));
         assert!(bare.starts_with("<svg") && !bare.contains("NaN"), "{bare}");
