@@ -122,7 +122,7 @@ pub(super) fn run(args: &PreviewArgs, context: &mut Context<'_>) -> Result<Exit,
         .map(|error| {
             json!({
                 "model": error.model, "alpha_x": error.alpha_x, "alpha_y": error.alpha_y,
-                "mean_absolute_error": error.mean_absolute, "mean_radiance": error.mean_radiance,
+                "mean_absolute_error": error.mean_absolute, "noise": error.noise, "mean_radiance": error.mean_radiance,
             })
         })
         .collect();
@@ -145,8 +145,11 @@ pub(super) fn run(args: &PreviewArgs, context: &mut Context<'_>) -> Result<Exit,
              {least_ratio} to {most_ratio}; its nearest entry is shown"
         );
     }
-    for PanelError { model, alpha_x, alpha_y, mean_absolute: error, mean_radiance: radiance } in &errors {
-        eprintln!("{model}, alpha {alpha_x} {alpha_y}: mean absolute error {error:.5} of mean radiance {radiance:.5}");
+    for PanelError { model, alpha_x, alpha_y, mean_absolute: error, noise, mean_radiance: radiance } in &errors {
+        eprintln!(
+            "{model}, alpha {alpha_x} {alpha_y}: mean absolute error {error:.5} of mean radiance {radiance:.5}; noise of \
+             the reference {noise:.5}, not part of the error"
+        );
     }
     Ok(Exit::Ok)
 }

@@ -13,13 +13,32 @@ pub struct PanelError {
     pub alpha_x: f64,
     /// The material's roughness across its tangent.
     pub alpha_y: f64,
-    /// Mean absolute difference in radiance, over the pixels that the surface covers and over the channels.
+    /// Mean absolute difference in radiance, over the pixels that the surface covers and over the channels, without the
+    /// noise of the reference.
     pub mean_absolute: f64,
+    /// Mean absolute noise of a pixel of the reference.
+    pub noise: f64,
     /// Mean radiance of the reference over the same pixels and channels.
     pub mean_radiance: f64,
 }
 
+/// Pixels per side of a tile.
+const TILE: u32 = 4;
+
+/// Sums over the pixels of a tile on one material.
+#[derive(Clone, Copy, Default)]
+struct Tile {
+    /// Differences on the fields of both colours of a checkerboard, and the numbers of pixels.
+    apart: [[f64; 3]; 2],
+    pixels: [f64; 2],
+    radiance: f64,
+}
+
 /// The error of each material, over the pixels that the material covers.
+///
+/// The pixels of a tile have independent noise and nearly the same error. So the sign of the error comes from one half of
+/// a tile, and its amount from the other half. Then noise does not add to the mean error. Errors that change their sign
+/// within a tile cancel.
 pub(super) fn panel_errors(
     scene: &Scene,
     frame: &Frame,
@@ -27,22 +46,52 @@ pub(super) fn panel_errors(
     lit: &Radiances,
     reference: &Radiances,
 ) -> Vec<PanelError> {
-    let mut sums = vec![(0.0, 0.0, 0.0); scene.materials.len()];
-    let sum = |pixel: [f32; 3]| pixel.map(f64::from).iter().sum::<f64>() / 3.0;
-    for (index, (lit, reference)) in (0..).zip(lit.pixels.iter().zip(&reference.pixels)) {
-        if let Some(cell) = cpu::covering(frame, [index % frame.size, index / frame.size]) {
-            let (apart, radiance, pixels) = &mut sums[cell];
-            *apart += sum([0, 1, 2].map(|i| (lit[i] - reference[i]).abs()));
-            *radiance += sum(*reference);
-            *pixels += 1.0;
+    let mut sums = vec![PanelError::none(model); scene.materials.len()];
+    let mut pixels = vec![0.0; scene.materials.len()];
+    let tiles = frame.size.div_ceil(TILE);
+    for tile in 0..tiles * tiles {
+        let mut found = vec![Tile::default(); scene.materials.len()];
+        let corner = [tile % tiles, tile / tiles].map(|at| at * TILE);
+        for at in 0..TILE * TILE {
+            let [x, y] = [corner[0] + at % TILE, corner[1] + at / TILE];
+            let inside = x < frame.size && y < frame.size;
+            let Some(cell) = inside.then(|| cpu::covering(frame, [x, y])).flatten() else { continue };
+            let index = (y * frame.size + x) as usize;
+            let (half, of) = (((x + y) % 2) as usize, &mut found[cell]);
+            for channel in 0..3 {
+                let truth = f64::from(reference.pixels[index][channel]);
+                of.apart[half][channel] += f64::from(lit.pixels[index][channel]) - truth;
+                of.radiance += truth / 3.0;
+            }
+            of.pixels[half] += 1.0;
+        }
+        for ((sum, pixels), Tile { apart, pixels: [m, n], radiance }) in sums.iter_mut().zip(&mut pixels).zip(found) {
+            *pixels += m + n;
+            sum.mean_radiance += radiance;
+            if m > 0.0 && n > 0.0 {
+                for channel in 0..3 {
+                    let [a, b] = [apart[0][channel] / m, apart[1][channel] / n];
+                    let sign = if a * b > 0.0 { 0.5 } else { -0.5 };
+                    sum.mean_absolute += (m + n) / 3.0 * sign * (a.abs() + b.abs());
+                    sum.noise += (m + n) / 3.0 * (a - b).abs() / (1.0 / m + 1.0 / n).sqrt();
+                }
+            }
         }
     }
-    let error = |(material, (apart, radiance, pixels)): (&Material, (f64, f64, f64))| PanelError {
-        model,
+    let mean = |((sum, pixels), material): ((PanelError, f64), &Material)| PanelError {
         alpha_x: material.alpha_x,
         alpha_y: material.alpha_y,
-        mean_absolute: apart / pixels.max(1.0),
-        mean_radiance: radiance / pixels.max(1.0),
+        mean_absolute: sum.mean_absolute.max(0.0) / pixels.max(1.0),
+        noise: sum.noise / pixels.max(1.0),
+        mean_radiance: sum.mean_radiance / pixels.max(1.0),
+        ..sum
     };
-    scene.materials.iter().zip(sums).map(error).collect()
+    sums.into_iter().zip(pixels).zip(&scene.materials).map(mean).collect()
+}
+
+impl PanelError {
+    /// The start of a sum.
+    fn none(model: LightModel) -> Self {
+        Self { model, alpha_x: 0.0, alpha_y: 0.0, mean_absolute: 0.0, noise: 0.0, mean_radiance: 0.0 }
+    }
 }
