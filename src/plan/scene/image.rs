@@ -5,9 +5,6 @@ use std::error::Error;
 use super::error::SceneError;
 use ltcforge_textures::StoredImage;
 
-/// Maximum number of pixels of one image.
-pub(super) const MOST_PIXELS: u64 = 1 << 26;
-
 /// One to three channels of an image, 8 or 16 bits each.
 #[derive(Debug, Clone)]
 pub(super) struct Pixels {
@@ -34,32 +31,23 @@ impl Pixels {
     }
 }
 
-fn invalid(pointer: &str, error: &dyn Error) -> SceneError {
-    SceneError::fault(pointer, format!("the image is invalid: {error}"))
-}
-
-/// An image of at most [`MOST_PIXELS`]; `None` for an unsupported format.
-fn open<'a>(pointer: &str, bytes: &'a [u8]) -> Result<Option<StoredImage<'a>>, SceneError> {
-    let image = StoredImage::new(bytes).map_err(|error| invalid(pointer, &*error))?;
-    let [width, height] = image.as_ref().map_or([1; 2], |image| image.size.map(|length| length as u64));
+/// The `wanted` channels of an image (0 red to 3 alpha); `None` for an unsupported format. `count` gets the number of
+/// pixels before they are decoded, and may refuse them. An image of 16 bits counts twice.
+pub(super) fn decode(
+    pointer: &str,
+    bytes: &[u8],
+    wanted: &[usize],
+    count: impl FnOnce(u64) -> Result<(), SceneError>,
+) -> Result<Option<Pixels>, SceneError> {
+    let invalid = |error: &dyn Error| SceneError::fault(pointer, format!("the image is invalid: {error}"));
+    let Some(image) = StoredImage::new(bytes).map_err(|error| invalid(&*error))? else { return Ok(None) };
+    let (size, depth) = (image.size, image.depth);
+    let [width, height] = size.map(|length| length as u64);
     if width == 0 || height == 0 {
         return Err(SceneError::fault(pointer, format!("an image of {width} x {height} pixels")));
     }
-    SceneError::above(format!("{pointer}: pixels of the image"), width.saturating_mul(height), MOST_PIXELS)?;
-    Ok(image)
-}
-
-/// The number of pixels that an image's header states, twice that of an image of 16 bits; `None` for an unsupported
-/// format.
-pub(super) fn pixels_of(pointer: &str, bytes: &[u8]) -> Result<Option<u64>, SceneError> {
-    Ok(open(pointer, bytes)?.map(|StoredImage { size: [width, height], depth, .. }| (width * height * depth) as u64))
-}
-
-/// The `wanted` channels of an image (0 red to 3 alpha). Domain: a format that [`pixels_of`] reads.
-pub(super) fn decode(pointer: &str, bytes: &[u8], wanted: &[usize]) -> Result<Pixels, SceneError> {
-    let image = open(pointer, bytes)?.ok_or_else(|| SceneError::fault(pointer, "not PNG, JPEG or WebP"))?;
-    let (size, depth) = (image.size, image.depth);
-    let (channels, pixels) = image.pixels().map_err(|error| invalid(pointer, &*error))?;
+    count(width.saturating_mul(height).saturating_mul(depth as u64))?;
+    let (channels, pixels) = image.pixels().map_err(|error| invalid(&*error))?;
     let from = |wanted: usize| match channels {
         1 => (wanted < 3).then_some(0),
         2 => Some(usize::from(wanted == 3)),
@@ -70,7 +58,7 @@ pub(super) fn decode(pointer: &str, bytes: &[u8], wanted: &[usize]) -> Result<Pi
         let level = move |from: &Option<usize>| from.map_or(&[255; 2][..depth], |i| &pixel[i * depth..][..depth]);
         from.iter().flat_map(level)
     });
-    Ok(Pixels { size, channels: wanted.len(), depth, bytes: kept.copied().collect() })
+    Ok(Some(Pixels { size, channels: wanted.len(), depth, bytes: kept.copied().collect() }))
 }
 
 #[cfg(test)]
@@ -85,11 +73,19 @@ mod tests {
         let frame =
             |side: u16| [&b"\x10\0\0\x9d\x01\x2a"[..], &side.to_le_bytes(), &side.to_le_bytes(), &[0; 64]].concat();
         let webp = |chunks: &[u8]| chunk(b"RIFF", &[b"WEBP", chunks].concat());
-        let refused = |bytes: &[u8]| pixels_of("/images/0", bytes).expect_err("hostile").to_string();
-        let large = webp(&[canvas.clone(), chunk(b"VP8 ", &frame(16383))].concat());
-        assert!(refused(&large).contains("its frame and its canvas have different sizes"), "{}", refused(&large));
+        let refused = |bytes: &[u8]| {
+            let mut counted = None;
+            let count = |pixels: u64| {
+                counted = Some(pixels);
+                Err(SceneError::Stopped)
+            };
+            let error = decode("/images/0", bytes, &[0], count).expect_err("hostile").to_string();
+            (error, counted)
+        };
+        let (error, counted) = refused(&webp(&[canvas.clone(), chunk(b"VP8 ", &frame(16383))].concat()));
+        assert!(error.contains("its frame and its canvas have different sizes") && counted.is_none(), "{error}");
         let equal = webp(&[canvas, chunk(b"VP8 ", &frame(1))].concat());
-        assert_eq!(pixels_of("/images/0", &equal).expect("a header"), Some(1));
+        assert_eq!(refused(&equal).1, Some(1));
     }
 
     /// The same file with fewer pixels than its header states, cut off, and with colours in separate scans.
@@ -103,12 +99,13 @@ mod tests {
             bytes
         };
         let whole = jpeg(false);
-        assert_eq!(decode("/images/0", &whole, &[0]).expect("an image").size, [64, 64]);
+        let read = |bytes: &[u8]| decode("/images/0", bytes, &[0], |_| Ok(()));
+        assert_eq!(read(&whole).expect("an image").expect("a JPEG").size, [64, 64]);
         let at = whole.windows(2).position(|pair| pair == [0xff, 0xc0]).expect("a header");
         let mut larger = whole.clone();
         larger[at + 5..at + 9].copy_from_slice(&[8, 0, 8, 0]);
         for damaged in [larger, whole[..whole.len() - 9].to_vec(), jpeg(true)] {
-            let error = decode("/images/0", &damaged, &[0]).expect_err("damaged").to_string();
+            let error = read(&damaged).expect_err("damaged").to_string();
             assert!(error.contains("/images/0") && error.contains("the image is invalid"), "{error}");
         }
     }

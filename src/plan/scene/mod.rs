@@ -123,7 +123,6 @@ fn materials(
         let index = Some(index).filter(|index| *index < document.materials.len());
         shaded.push(is_used.then(|| Shaded::read(material, index, Some(&mut textures))).transpose()?);
     }
-    textures.finish()?;
     Ok(shaded)
 }
 

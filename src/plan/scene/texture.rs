@@ -1,6 +1,6 @@
 //! Textures: the channels of an image at texture coordinates.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use super::image::Pixels;
 use ltcforge_fit::math::pow;
@@ -8,13 +8,10 @@ use ltcforge_fit::math::pow;
 const CLAMP: u32 = 33_071;
 const MIRROR: u32 = 33_648;
 
-/// The channels of an image, which are set when the image is decoded.
-pub(super) type Channels = Arc<OnceLock<Pixels>>;
-
 /// A texture of a material.
 #[derive(Debug)]
 pub(super) struct Sampled {
-    pub(super) pixels: Channels,
+    pub(super) pixels: Arc<Pixels>,
     /// The wrap modes of glTF. An image without a wrap mode repeats.
     pub(super) wrap: [Option<u32>; 2],
     /// The set of texture coordinates.
@@ -23,9 +20,9 @@ pub(super) struct Sampled {
 }
 
 impl Sampled {
-    /// The texel at texture coordinates. Domain: after `Textures::finish`.
+    /// The texel at texture coordinates.
     pub(super) fn at(&self, uv: [f64; 2]) -> [f64; 3] {
-        let Some(pixels) = self.pixels.get() else { return [1.0; 3] };
+        let pixels = &self.pixels;
         let texel = [0, 1].map(|i| {
             let [a, b, c] = self.transform[i];
             let place = a * uv[0] + b * uv[1] + c;

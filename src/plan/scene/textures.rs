@@ -1,8 +1,6 @@
-//! Reads the textures of materials. Images are collected and decoded together, on all threads and within memory limits.
+//! Reads the textures of materials within limits of pixels and bytes.
 
-use std::collections::BTreeMap;
-
-use rayon::prelude::*;
+use std::{collections::BTreeMap, sync::Arc};
 
 use super::{
     accessor::Buffers,
@@ -10,29 +8,18 @@ use super::{
     document::{Document, TextureInfo, TextureTransform, WebpTexture},
     error::{SceneError, Unread, out_of_range},
     extensions::extension,
-    image::{MOST_PIXELS, decode, pixels_of},
-    texture::{Channels, Sampled},
+    image::{Pixels, decode},
+    texture::Sampled,
 };
 use ltcforge_fit::{GoOn, math::sin_cos};
 
-/// Maximum bytes of images that wait together. All waiting images have at most as many pixels as one image may have.
-const MOST_BYTES_WAITING: usize = 64 << 20;
-
 /// Maximum number of pixels of one image, and of all images, in a scene that may name files.
-const OF_FILES: [u64; 2] = [MOST_PIXELS, 1 << 28];
+const OF_FILES: [u64; 2] = [1 << 26, 1 << 28];
 /// Like [`OF_FILES`], for a scene of one file, which a service may have received. Three channels of all images, and
 /// four channels of one image during decoding, take 208 MiB.
 const OF_ONE_FILE: [u64; 2] = [1 << 24, 3 << 24];
 
-/// An image that waits to be decoded.
-struct Waiting {
-    pointer: String,
-    bytes: Vec<u8>,
-    wanted: &'static [usize],
-    into: Channels,
-}
-
-/// Reads textures one at a time, and collects their images until it decodes them.
+/// Reads textures, and counts the pixels and bytes of their images.
 pub(super) struct Textures<'a> {
     document: &'a Document,
     buffers: &'a Buffers<'a>,
@@ -41,13 +28,10 @@ pub(super) struct Textures<'a> {
     /// Maximum number of pixels of one image, and of all images.
     most: [u64; 2],
     /// Channels of images that several textures may share, or why they are missing.
-    kept: BTreeMap<(usize, &'static [usize]), Result<Channels, String>>,
+    kept: BTreeMap<(usize, &'static [usize]), Result<Arc<Pixels>, String>>,
     /// Pixels and bytes of all images so far. Images that share their bytes are counted separately.
     pixels: u64,
     bytes: u64,
-    waiting: Vec<Waiting>,
-    waiting_pixels: u64,
-    waiting_bytes: usize,
 }
 
 impl<'a> Textures<'a> {
@@ -57,10 +41,8 @@ impl<'a> Textures<'a> {
         container: &'a mut Container,
         go_on: &'a GoOn<'a>,
     ) -> Self {
-        let (kept, waiting) = (BTreeMap::new(), Vec::new());
-        let (pixels, bytes, waiting_pixels, waiting_bytes) = (0, 0, 0, 0);
         let most = if container.has_files() { OF_FILES } else { OF_ONE_FILE };
-        Self { document, buffers, container, go_on, most, kept, pixels, bytes, waiting, waiting_pixels, waiting_bytes }
+        Self { document, buffers, container, go_on, most, kept: BTreeMap::new(), pixels: 0, bytes: 0 }
     }
 
     /// Some channels of a texture of the material at `place`.
@@ -96,39 +78,19 @@ impl<'a> Textures<'a> {
         })
     }
 
-    /// The channels of an image, which waits until it is decoded.
-    fn decoded(&mut self, image: usize, wanted: &'static [usize]) -> Result<Channels, Unread> {
+    /// The channels of an image.
+    fn decoded(&mut self, image: usize, wanted: &'static [usize]) -> Result<Arc<Pixels>, Unread> {
         SceneError::unless(self.go_on)?;
         let bytes = self.image(image)?;
         self.bytes += bytes.len() as u64;
         SceneError::above("bytes of all images", self.bytes, MOST_BYTES)?;
         let pointer = format!("/images/{image}");
-        let pixels = pixels_of(&pointer, &bytes)?;
-        let pixels = pixels.ok_or_else(|| Unread::Missing(format!("image {image} is not PNG, JPEG or WebP")))?;
-        SceneError::above(format!("{pointer}: pixels of the image"), pixels, self.most[0])?;
-        self.pixels += pixels;
-        SceneError::above("pixels of all textures", self.pixels, self.most[1])?;
-        if self.waiting_pixels + pixels > self.most[0] || self.waiting_bytes + bytes.len() > MOST_BYTES_WAITING {
-            self.finish()?;
-        }
-        (self.waiting_pixels, self.waiting_bytes) = (self.waiting_pixels + pixels, self.waiting_bytes + bytes.len());
-        let into = Channels::default();
-        self.waiting.push(Waiting { pointer, bytes, wanted, into: into.clone() });
-        Ok(into)
-    }
-
-    /// Decodes the images that wait. Runs on the current rayon pool. The size of the pool does not change the result.
-    pub(super) fn finish(&mut self) -> Result<(), SceneError> {
-        (self.waiting_pixels, self.waiting_bytes) = (0, 0);
-        let one = |Waiting { pointer, bytes, wanted, into }: Waiting| {
-            SceneError::unless(self.go_on)?;
-            let pixels = decode(&pointer, &bytes, wanted)?;
-            into.get_or_init(|| pixels);
-            Ok(())
-        };
-        // The first fault in the order of images is returned, whichever thread finds one first.
-        let done: Vec<Result<(), SceneError>> = std::mem::take(&mut self.waiting).into_par_iter().map(one).collect();
-        done.into_iter().collect()
+        let decoded = decode(&pointer, &bytes, wanted, |pixels| {
+            SceneError::above(format!("{pointer}: pixels of the image"), pixels, self.most[0])?;
+            self.pixels += pixels;
+            SceneError::above("pixels of all textures", self.pixels, self.most[1])
+        })?;
+        Ok(Arc::new(decoded.ok_or_else(|| Unread::Missing(format!("image {image} is not PNG, JPEG or WebP")))?))
     }
 
     /// The bytes of an image.
