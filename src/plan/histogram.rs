@@ -46,87 +46,74 @@ pub(crate) fn span(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
     numbers.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
 }
 
-/// A histogram over alpha and ratio with the mean of both in each cell: a cell with one value has that value.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Histogram {
-    cells: BTreeMap<[u16; 2], Cell>,
-    /// The weight, and the weighted sum of the reflectance: of dielectrics, then of metal.
-    f0: [[f64; 2]; 2],
-    /// Weighted sums of the reflectances at normal and at grazing incidence, and the weight: of dielectrics, then of
-    /// metal.
-    formula: [[f64; 3]; 2],
+/// Weighted sums of two values, and the weight.
+type Sums = [f64; 3];
+
+fn add(sums: &mut Sums, added: Sums) {
+    sums.iter_mut().zip(added).for_each(|(sum, added)| *sum += added);
 }
 
-#[derive(Debug, Clone, Copy)]
-struct Cell {
-    weight: f64,
-    /// The first pair, and the weighted sum of the differences from it.
-    first: [f64; 2],
-    moved: [f64; 2],
+/// The means of the values, and the weight.
+fn means([a, b, weight]: &Sums) -> [f64; 3] {
+    [a / weight, b / weight, *weight]
+}
+
+/// A histogram over alpha and ratio with the mean of both in each cell.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Histogram {
+    cells: BTreeMap<[u16; 2], Sums>,
+    /// The reflectances at normal and at grazing incidence that lobes are fitted to: of dielectrics, then of metal.
+    fitted: [Sums; 2],
+    /// The same reflectances by the specification.
+    formula: [Sums; 2],
 }
 
 impl Histogram {
     /// Adds a pair of alpha and ratio with its weight. `f0` lists the reflectances of dielectrics and of metal, each
     /// with its part of the surface.
-    pub(crate) fn add(&mut self, pair: [f64; 2], f0: [[f64; 2]; 2], weight: f64) {
+    pub(crate) fn add(&mut self, [alpha, ratio]: [f64; 2], f0: [[f64; 2]; 2], weight: f64) {
         if weight <= 0.0 {
             return;
         }
-        let key = [pair[0].sqrt() * CELLS[0], pair[1] * CELLS[1]].map(|cell| cell.round() as u16);
-        let cell = self.cells.entry(key).or_insert(Cell { weight: 0.0, first: pair, moved: [0.0; 2] });
-        cell.weight += weight;
-        for i in 0..2 {
-            cell.moved[i] += weight * (pair[i] - cell.first[i]);
-            let [f0, part] = f0[i];
-            self.f0[i][0] += weight * part;
-            self.f0[i][1] += weight * part * f0;
+        let key = [alpha.sqrt() * CELLS[0], ratio * CELLS[1]].map(|cell| cell.round() as u16);
+        add(self.cells.entry(key).or_default(), [weight * alpha, weight * ratio, weight]);
+        for (sums, [f0, part]) in self.fitted.iter_mut().zip(f0) {
+            add(sums, [weight * part * f0, weight * part, weight * part]);
         }
     }
 
     /// Adds a reflectance at normal and at grazing incidence by the specification.
     pub(crate) fn add_formula(&mut self, [f0, f90]: [f64; 2], weight: f64) {
         let sums = &mut self.formula[usize::from(f0 >= LEAST_METAL * f90)];
-        for (sum, value) in sums.iter_mut().zip([f0, f90, 1.0]) {
-            *sum += weight * value;
-        }
-    }
-
-    /// Means of the reflectances, and their weights.
-    pub(crate) fn formula(&self) -> Vec<[f64; 3]> {
-        let mean = |[f0, f90, weight]: &[f64; 3]| [f0 / weight, f90 / weight, *weight];
-        self.formula.iter().filter(|[_, f90, _]| *f90 > 0.0).map(mean).collect()
+        add(sums, [weight * f0, weight * f90, weight]);
     }
 
     /// Adds all of another histogram.
     pub(crate) fn merge(&mut self, other: &Self) {
         for (key, added) in &other.cells {
-            let cell = self.cells.entry(*key).or_insert(Cell { weight: 0.0, moved: [0.0; 2], ..*added });
-            cell.weight += added.weight;
-            for i in 0..2 {
-                cell.moved[i] += added.moved[i] + added.weight * (added.first[i] - cell.first[i]);
-            }
+            add(self.cells.entry(*key).or_default(), *added);
         }
-        let formula = self.formula.iter_mut().flatten().zip(other.formula.iter().flatten());
-        self.f0
-            .iter_mut()
-            .flatten()
-            .zip(other.f0.iter().flatten())
-            .chain(formula)
-            .for_each(|(sum, other)| *sum += other);
+        for i in 0..2 {
+            add(&mut self.fitted[i], other.fitted[i]);
+            add(&mut self.formula[i], other.formula[i]);
+        }
     }
 
-    /// The cells, smoothest first.
+    /// The cells, smoothest first. Rounding removes the rounding errors of sums: a cell with one value has that value.
     pub(crate) fn spots(&self) -> Vec<Spot> {
-        let spot = |cell: &Cell| {
-            let [alpha, ratio] = [0, 1].map(|i| cell.first[i] + cell.moved[i] / cell.weight);
-            Spot { alpha, ratio, weight: cell.weight }
-        };
-        self.cells.values().map(spot).collect()
+        let spot = |[alpha, ratio, weight]: [f64; 3]| Spot { alpha: decimal(alpha), ratio: decimal(ratio), weight };
+        self.cells.values().map(means).map(spot).collect()
     }
 
     /// Mean reflectance at normal incidence and its weight, of dielectrics and of metal.
     pub(crate) fn f0(&self) -> Vec<[f64; 2]> {
-        self.f0.iter().filter(|[weight, _]| *weight > 0.0).map(|[weight, sum]| [sum / weight, *weight]).collect()
+        let present = self.fitted.iter().filter(|sums| sums[2] > 0.0).map(means);
+        present.map(|[f0, _, weight]| [f0, weight]).collect()
+    }
+
+    /// Mean reflectances by the specification at normal and at grazing incidence, and their weights.
+    pub(crate) fn formula(&self) -> Vec<[f64; 3]> {
+        self.formula.iter().filter(|sums| sums[1] > 0.0).map(means).collect()
     }
 }
 
@@ -221,7 +208,7 @@ mod tests {
         histogram.add([0.1, 1.0], F0, 3.0);
         let spots = histogram.spots();
         assert_eq!((spots[0].alpha, spots[0].ratio, spots[0].weight), (0.1, 1.0, 3.0));
-        assert_eq!((spots[1].alpha, spots[1].ratio), (0.3, 1.0 / 3.0));
+        assert_eq!((spots[1].alpha, spots[1].ratio), (0.3, decimal(1.0 / 3.0)));
         assert!((spots[1].weight - 100.0).abs() < 1e-9);
     }
 
