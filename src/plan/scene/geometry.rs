@@ -6,18 +6,10 @@ use glam::{DMat4, DVec2, DVec3, DVec4, Vec3};
 
 use super::{
     accessor::Buffers,
-    document::{Accessor, Primitive},
+    document::Accessor,
     error::{SceneError, Unread},
+    graph::Part,
 };
-
-/// The rest pose of a mesh.
-#[derive(Debug, Default)]
-pub(super) struct Pose<'a> {
-    /// The weights of the morph targets.
-    pub(super) weights: &'a [f64],
-    /// The matrices of the skin's joints; empty without a skin.
-    pub(super) joints: &'a [DMat4],
-}
 
 /// Adds weighted vectors; missing vectors are zero.
 fn add(vectors: &mut [[f32; 3]], added: Option<Vec<[f32; 3]>>, weight: f64) {
@@ -38,15 +30,11 @@ pub(super) struct Geometry {
 
 impl Geometry {
     /// Reads a primitive in its pose with some sets of texture coordinates, and normals and tangents if `has_frames`.
-    /// Points and lines have no triangles. `place` is the primitive's JSON pointer.
-    pub(super) fn read(
-        buffers: &Buffers<'_>,
-        (primitive, place): (&Primitive, &str),
-        pose: &Pose<'_>,
-        sets: &[u32],
-        has_frames: bool,
-    ) -> Result<Self, Unread> {
-        let fault = |field: &str, detail: String| Err(SceneError::fault(format!("{place}/{field}"), detail).into());
+    /// Points and lines have no triangles.
+    pub(super) fn read(buffers: &Buffers<'_>, part: &Part<'_>, sets: &[u32], has_frames: bool) -> Result<Self, Unread> {
+        let primitive = part.primitive;
+        let fault =
+            |field: &str, detail: String| Err(SceneError::fault(format!("{}/{field}", part.place()), detail).into());
         let mode = primitive.mode.unwrap_or(4);
         if mode > 6 {
             return fault("mode", format!("{mode} is not between 0 and 6"));
@@ -85,17 +73,17 @@ impl Geometry {
             _ => order.windows(2).skip(1).map(|pair| [order[0], pair[0], pair[1]]).collect(),
         };
         let mut geometry = Self { positions, triangles, normals, tangents, uv };
-        for (target, weight) in primitive.targets.iter().zip(pose.weights).filter(|(_, weight)| **weight != 0.0) {
+        for (target, weight) in primitive.targets.iter().zip(part.weights).filter(|(_, weight)| **weight != 0.0) {
             let added = |name: &str| target.get(name).map(|index| buffers.numbers::<3>(*index)).transpose();
             add(&mut geometry.positions, added("POSITION")?, *weight);
             if let Some(normals) = &mut geometry.normals {
                 add(normals, added("NORMAL")?, *weight);
             }
         }
-        if !pose.joints.is_empty() {
+        if !part.joints.is_empty() {
             let of = |name: &str| attribute(name).ok_or_else(|| Unread::Missing(format!("its skin needs {name}")));
             let (joints, weights) = (of("JOINTS_0")?, of("WEIGHTS_0")?);
-            geometry.bend(pose.joints, &buffers.numbers::<4>(joints)?, &buffers.numbers::<4>(weights)?);
+            geometry.bend(part.joints, &buffers.numbers::<4>(joints)?, &buffers.numbers::<4>(weights)?);
         }
         Ok(geometry)
     }

@@ -7,10 +7,9 @@ use glam::{DMat4, DQuat, DVec3};
 use super::{
     accessor::Buffers,
     camera::Placed,
-    document::{Document, Instancing, Node},
+    document::{Document, Instancing, Node, Primitive},
     error::{SceneError, Unread, out_of_range},
     extensions::{EXT_LIGHTS_AREA, extension},
-    geometry::Pose,
 };
 
 /// Maximum number of instances by `EXT_mesh_gpu_instancing`.
@@ -89,12 +88,40 @@ impl Graph {
     }
 }
 
+/// A primitive of a mesh in a pose, with the transforms of its instances.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Part<'a> {
+    pub(super) mesh: usize,
+    number: usize,
+    pub(super) primitive: &'a Primitive,
+    /// The weights of the morph targets, and the matrices of the skin's joints at rest; empty without a skin.
+    pub(super) weights: &'a [f64],
+    pub(super) joints: &'a [DMat4],
+    pub(super) worlds: &'a [DMat4],
+}
+
+impl Part<'_> {
+    /// The JSON pointer of the primitive.
+    pub(super) fn place(&self) -> String {
+        format!("/meshes/{}/primitives/{}", self.mesh, self.number)
+    }
+
+    /// The accessors of the primitive's own attributes and of its indices.
+    pub(super) fn accessors(&self) -> impl Iterator<Item = usize> {
+        self.primitive.attributes.values().copied().chain(self.primitive.indices)
+    }
+}
+
 impl Graph {
-    /// The rest pose of a mesh.
-    pub(super) fn pose<'a>(&'a self, document: &'a Document, posed: &Posed) -> Pose<'a> {
-        let joints = posed.skin.and_then(|skin| self.skins.get(&skin)).map_or(&[][..], Vec::as_slice);
-        let weights = posed.node.map_or(&document.meshes[posed.mesh].weights, |node| &document.nodes[node].weights);
-        Pose { weights, joints }
+    /// The primitives of all meshes in their rest poses.
+    pub(super) fn parts<'a>(&'a self, document: &'a Document) -> impl Iterator<Item = Part<'a>> {
+        self.worlds.iter().flat_map(|(posed, worlds)| {
+            let mesh = &document.meshes[posed.mesh];
+            let joints = posed.skin.and_then(|skin| self.skins.get(&skin)).map_or(&[][..], Vec::as_slice);
+            let weights = posed.node.map_or(&mesh.weights, |node| &document.nodes[node].weights);
+            let part = move |(number, primitive)| Part { mesh: posed.mesh, number, primitive, weights, joints, worlds };
+            mesh.primitives.iter().enumerate().map(part)
+        })
     }
 }
 

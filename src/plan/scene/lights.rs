@@ -183,52 +183,43 @@ fn emissive(
     go_on: &GoOn<'_>,
 ) -> Result<(), SceneError> {
     let radiances: Vec<[f64; 3]> = document.materials.iter().enumerate().map(radiance).collect::<Result<_, _>>()?;
-    let mut primitives = 0;
-    for (posed, worlds) in &graph.worlds {
+    for (number, part) in graph.parts(document).enumerate() {
         SceneError::unless(go_on)?;
-        let mesh = &document.meshes[posed.mesh];
-        primitives += mesh.primitives.len() as u64;
-        SceneError::above("primitives of all meshes in their poses", primitives, MOST_PRIMITIVES)?;
-        let name = || named(mesh.name.as_deref(), || format!("mesh {}", posed.mesh));
-        for (number, primitive) in mesh.primitives.iter().enumerate() {
-            let Some(index) = primitive.material.filter(|index| luminance(radiances[*index]) > 0.0) else { continue };
-            let (material, rgb) = (&document.materials[index], radiances[index]);
-            let read = primitive.attributes.values().copied().chain(primitive.indices);
-            let is_large = read.map(|accessor| document.accessors[accessor].count).max() > Some(MOST_VERTICES);
-            let place = format!("/meshes/{}/primitives/{number}", posed.mesh);
-            let read = match () {
-                () if luminance(rgb) > MOST => Err("its emission is above 1e9".to_owned()),
-                () if material.emissive_texture.is_some() => Err("its emission has a texture".to_owned()),
-                () if is_large => Err(format!("it has more than {MOST_VERTICES} vertices or indices")),
-                () if lights.len() + worlds.len() > MOST_COMPARED => Err("there are too many lights".to_owned()),
-                () => {
-                    let pose = graph.pose(document, posed);
-                    Unread::split(Geometry::read(buffers, (primitive, &place), &pose, &[], false))?
+        SceneError::above("primitives of all meshes in their poses", number as u64, MOST_PRIMITIVES)?;
+        let index = part.primitive.material.filter(|index| luminance(radiances[*index]) > 0.0);
+        let Some(index) = index else { continue };
+        let (material, rgb) = (&document.materials[index], radiances[index]);
+        let name = || named(document.meshes[part.mesh].name.as_deref(), || format!("mesh {}", part.mesh));
+        let is_large = part.accessors().any(|accessor| document.accessors[accessor].count > MOST_VERTICES);
+        let read = match () {
+            () if luminance(rgb) > MOST => Err("its emission is above 1e9".to_owned()),
+            () if material.emissive_texture.is_some() => Err("its emission has a texture".to_owned()),
+            () if is_large => Err(format!("it has more than {MOST_VERTICES} vertices or indices")),
+            () if lights.len() + part.worlds.len() > MOST_COMPARED => Err("there are too many lights".to_owned()),
+            () => Unread::split(Geometry::read(buffers, &part, &[], false))?,
+        };
+        let sides = if material.double_sided { Sides::Two } else { Sides::One };
+        let placed = |geometry: &Geometry, world: &DMat4| -> Vec<PlacedLight> {
+            let triangle = |triangle: usize| {
+                let mut points = geometry.triangle(triangle, world).to_vec();
+                if world.determinant() > 0.0 {
+                    points.reverse();
                 }
+                PlacedLight { shape: LightShape::Polygon, sides, points, length: 0.0 }
             };
-            let sides = if material.double_sided { Sides::Two } else { Sides::One };
-            let placed = |geometry: &Geometry, world: &DMat4| -> Vec<PlacedLight> {
-                let triangle = |triangle: usize| {
-                    let mut points = geometry.triangle(triangle, world).to_vec();
-                    if world.determinant() > 0.0 {
-                        points.reverse();
-                    }
-                    PlacedLight { shape: LightShape::Polygon, sides, points, length: 0.0 }
-                };
-                (0..geometry.len()).filter(|i| geometry.area(*i, world) > 0.0).map(triangle).filter(is_near).collect()
-            };
-            let before = lights.len();
-            let why = match read {
-                Ok(geometry) => {
-                    let all = worlds.iter().map(|world| placed(&geometry, world)).filter(|shapes| !shapes.is_empty());
-                    lights.extend(all.map(|shapes| SceneLight::new(name(), shapes, rgb)));
-                    "its triangles are empty or too far away".to_owned()
-                }
-                Err(why) => why,
-            };
-            if lights.len() == before && notes.len() < MOST_NOTES {
-                notes.push(format!("{}: {why}; it is not read as a light", name()));
+            (0..geometry.len()).filter(|i| geometry.area(*i, world) > 0.0).map(triangle).filter(is_near).collect()
+        };
+        let before = lights.len();
+        let why = match read {
+            Ok(geometry) => {
+                let all = part.worlds.iter().map(|world| placed(&geometry, world)).filter(|shapes| !shapes.is_empty());
+                lights.extend(all.map(|shapes| SceneLight::new(name(), shapes, rgb)));
+                "its triangles are empty or too far away".to_owned()
             }
+            Err(why) => why,
+        };
+        if lights.len() == before && notes.len() < MOST_NOTES {
+            notes.push(format!("{}: {why}; it is not read as a light", name()));
         }
     }
     Ok(())

@@ -9,10 +9,10 @@ use rayon::prelude::*;
 use super::{
     accessor::Buffers,
     camera::Placed,
-    document::{Document, Primitive},
+    document::Document,
     error::{SceneError, Unread, named},
     gathered::Gathered,
-    geometry::{Geometry, Pose, box_area},
+    geometry::{Geometry, box_area},
     graph::Graph,
     lights::{SceneLight, ScenePoint},
     material::{LobeKind, Shaded},
@@ -45,19 +45,6 @@ const MOST_NOTES: usize = 100;
 const MOST_CORNERS: u64 = 1 << 27;
 const MOST_TRIANGLES: u64 = 1 << 26;
 
-/// A primitive in the scene.
-struct Part<'a> {
-    mesh: usize,
-    pose: Pose<'a>,
-    primitive: &'a Primitive,
-    /// The JSON pointer of the primitive.
-    place: String,
-    /// The index of the primitive's material.
-    slot: usize,
-    material: &'a Shaded,
-    worlds: &'a [DMat4],
-}
-
 /// Gathers the lobes of every instance of every mesh. `materials` has the document's materials and then the default
 /// material. A material that no primitive uses is `None`.
 pub(super) fn gather(
@@ -72,43 +59,33 @@ pub(super) fn gather(
     let has_frames = cameras > 0 || !lights.is_empty();
     SceneError::above("cameras", cameras as u64, MOST_CAMERAS)?;
     let parts = || {
-        graph.worlds.iter().flat_map(|(posed, worlds)| {
-            let index = posed.mesh;
-            let mesh = &document.meshes[index];
-            mesh.primitives.iter().enumerate().filter_map(move |(number, primitive)| {
-                let place = format!("/meshes/{index}/primitives/{number}");
-                let slot = primitive.material.unwrap_or(document.materials.len());
-                let (pose, material) = (graph.pose(document, posed), materials[slot].as_ref()?);
-                Some(Part { mesh: index, pose, primitive, place, slot, material, worlds })
-            })
+        graph.parts(document).filter_map(|part| {
+            let slot = part.primitive.material.unwrap_or(document.materials.len());
+            Some((part, slot, materials[slot].as_ref()?))
         })
     };
     let mut scene = Scene { cameras, lights, ..Scene::default() };
     // The area that is read at points, and all area.
     let (mut sampled, mut total, mut instances_of_all, mut corners, mut looks) = (0.0, 0.0, 0, 0, 0_u64);
-    for Part { pose, primitive, place, material, worlds, .. } in parts() {
+    for (part, _, material) in parts() {
         SceneError::unless(go_on)?;
         // Elements are counted before they are read.
-        let count = |accessor: usize| document.accessors[accessor].count;
-        let read = primitive.attributes.values().chain(primitive.targets.iter().flat_map(BTreeMap::values));
-        let read = read.copied().chain(primitive.indices).map(count);
-        corners = read.fold(corners, u64::saturating_add);
+        let read = part.accessors().chain(part.primitive.targets.iter().flat_map(BTreeMap::values).copied());
+        corners = read.map(|accessor| document.accessors[accessor].count).fold(corners, u64::saturating_add);
         SceneError::above("corners and indices of all primitives", corners, MOST_CORNERS)?;
-        let geometry = Unread::split(Geometry::read(buffers, (primitive, &place), &pose, &[], false))?;
+        let geometry = Unread::split(Geometry::read(buffers, &part, &[], false))?;
         let work = geometry.as_ref().map_or(POINTS_OF_BOX, Geometry::len) as u64;
-        let instances = worlds.len() as u64;
+        let instances = part.worlds.len() as u64;
         // An instance takes time even if it has no triangle.
         looks += work.max(1).saturating_mul(instances);
         SceneError::above("triangles of all instances", looks, MOST_TRIANGLES)?;
         let Ok(geometry) = geometry else { continue };
         scene.triangles += work * instances;
-        if has_frames || material.is_textured() {
-            let area = worlds.iter().flat_map(|world| areas(&geometry, world)).sum::<f64>();
-            total += area;
-            instances_of_all += worlds.len();
-            if cameras > 0 || material.is_textured() {
-                sampled += area;
-            }
+        let area = part.worlds.iter().flat_map(|world| areas(&geometry, world)).sum::<f64>();
+        total += area;
+        instances_of_all += instances;
+        if cameras > 0 || material.is_textured() {
+            sampled += area;
         }
     }
     let points = POINTS * (FULL_CAMERAS / cameras as f64).min(1.0);
@@ -117,9 +94,9 @@ pub(super) fn gather(
     let lit = (LIT / shapes as f64).clamp(LEAST_LIT, MOST_LIT);
     let mut so_far = 0.0;
     let mut gathered: Vec<Gathered> = materials.iter().map(|_| Gathered::default()).collect();
-    for Part { mesh, pose, primitive, place, slot, material, worlds } in parts() {
+    for (part, slot, material) in parts() {
         let mut sets = material.sets();
-        let has = |name: &str| primitive.attributes.contains_key(name);
+        let has = |name: &str| part.primitive.attributes.contains_key(name);
         // Without tangents, the direction of a material is along the first texture coordinate.
         let needs_uv = has_frames && material.is_anisotropic() && sets.is_empty() && !has("TANGENT");
         if needs_uv && has("TEXCOORD_0") {
@@ -128,19 +105,19 @@ pub(super) fn gather(
         let read = if needs_uv && sets.is_empty() && has("POSITION") {
             Err(Unread::Missing("it has no TANGENT, which its anisotropic material needs".to_owned()))
         } else {
-            Geometry::read(buffers, (primitive, &place), &pose, &sets, has_frames)
+            Geometry::read(buffers, &part, &sets, has_frames)
         };
         match Unread::split(read)? {
             Ok(geometry) => {
-                for world in worlds {
+                for world in part.worlds {
                     let instance = Instance { material, geometry: &geometry, world, cameras: &graph.cameras };
                     instance.gather(&mut gathered[slot], per_point, go_on)?;
                     if !scene.lights.is_empty() {
                         let of = materials[..slot].iter().flatten().count();
                         let reached = reached(&areas(&geometry, world));
                         // Half of the points are spread by area, and half evenly over the instances.
-                        let part = reached.last().map_or(0.0, |area| area / total) + 1.0 / instances_of_all as f64;
-                        let expected = 0.5 * lit * part;
+                        let share = reached.last().map_or(0.0, |area| area / total) + 1.0 / instances_of_all as f64;
+                        let expected = 0.5 * lit * share;
                         let count = (so_far + expected).floor() - so_far.floor();
                         so_far += expected;
                         scene.points.extend(instance.lit(of, count as usize, (&reached, expected), &scene.lights));
@@ -148,12 +125,12 @@ pub(super) fn gather(
                 }
             }
             Err(why) => {
-                for world in worlds {
+                for world in part.worlds {
                     SceneError::unless(go_on)?;
-                    let positions = &document.accessors[primitive.attributes["POSITION"]];
+                    let positions = &document.accessors[part.primitive.attributes["POSITION"]];
                     gather_box(&mut gathered[slot], material, box_area(positions, world));
                 }
-                let name = named(document.meshes[mesh].name.as_deref(), || mesh.to_string());
+                let name = named(document.meshes[part.mesh].name.as_deref(), || part.mesh.to_string());
                 scene.notes.push(format!(
                     "mesh {name}: {why}; its box is used instead, with the whole textures of its materials, \
                      seen from everywhere"
@@ -182,10 +159,13 @@ fn reached(areas: &[f64]) -> Vec<f64> {
     areas.iter().scan(0.0, |sum, area| Some(*sum + area).inspect(|is| *sum = *is)).collect()
 }
 
-/// Evenly distributed weights of a triangle's corners, from two numbers in [0, 1).
-fn weights(u: f64, v: f64) -> [f64; 3] {
+/// A point at an even step of the area, one triangle after another: point i at i + 1/2 steps. Returns the triangle and
+/// the weights of its corners. `reached` is the total area up to and including each triangle.
+fn spread(number: usize, step: f64, reached: &[f64]) -> Option<(usize, [f64; 3])> {
+    let triangle = reached.partition_point(|reached| *reached < (number as f64 + 0.5) * step);
+    let [u, v, ..] = recurrence4(number, [0.0; 4]);
     let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-    [1.0 - u - v, u, v]
+    (triangle < reached.len()).then_some((triangle, [1.0 - u - v, u, v]))
 }
 
 /// Gathers a surface whose position is not known.
@@ -222,7 +202,6 @@ impl Instance<'_> {
         if total <= 0.0 {
             return Ok(());
         }
-        // Points are at even steps of the area, one triangle after another: point i at i + 1/2 steps.
         let points = (total / per_point).ceil().max(1.0);
         let (step, count) = (total / points, points as usize);
         let reached = reached(&areas);
@@ -235,6 +214,33 @@ impl Instance<'_> {
         Ok(())
     }
 
+    /// The directions to the cameras that see a point. Cameras behind a surface of one side do not see it.
+    fn views(&self, position: DVec3, normal: DVec3) -> impl Iterator<Item = DVec3> {
+        let views = self.cameras.iter().filter_map(move |camera| camera.view(position));
+        views.filter(move |wo| wo.dot(normal) > 0.0 || self.material.double_sided && wo.dot(normal) < 0.0)
+    }
+
+    /// The lobes at some points. `step` is the area of each point, `reached` the total area up to and including each
+    /// triangle.
+    fn points(&self, numbers: Range<usize>, step: f64, reached: &[f64]) -> Gathered {
+        let (mut found, mut views) = (Gathered::default(), Vec::new());
+        for (triangle, weights) in numbers.filter_map(|number| spread(number, step, reached)) {
+            views.clear();
+            if !self.cameras.is_empty() {
+                let (position, frame) = self.geometry.point(triangle, weights, self.world);
+                views.extend(self.views(position, frame[2]).map(|wo| {
+                    let [x, y, z] = frame.map(|axis| wo.dot(axis));
+                    DVec3::new(x, y, z.abs())
+                }));
+            }
+            if self.cameras.is_empty() || !views.is_empty() {
+                let (part, lobes) = self.material.lobes(&|set| self.geometry.uv(triangle, weights, set));
+                found.add(&lobes, step * part, &views);
+            }
+        }
+        found
+    }
+
     /// `count` points of the instance with their lights, each for an `expected` part of its area.
     fn lit(
         &self,
@@ -245,32 +251,23 @@ impl Instance<'_> {
     ) -> Vec<ScenePoint> {
         let (mut found, area) = (Vec::new(), reached.last().copied().unwrap_or(0.0));
         for number in (0..count).filter(|_| area > 0.0) {
-            let triangle = reached.partition_point(|reached| *reached < (number as f64 + 0.5) / count as f64 * area);
-            let [u, v, w, x] = recurrence4(number, [0.0; 4]);
-            let weights = weights(u, v);
-            let (position, [tangent, _, normal]) = self.geometry.point(triangle, weights, self.world);
-            // Cameras behind a surface of one side do not see it.
-            let views = self.cameras.iter().filter_map(|camera| camera.view(position));
-            let seen: Vec<DVec3> = views.filter(|wo| self.material.double_sided || wo.dot(normal) > 0.0).collect();
+            let Some((triangle, weights)) = spread(number, area / count as f64, reached) else { continue };
+            let (position, [tangent, bitangent, normal]) = self.geometry.point(triangle, weights, self.world);
+            let seen: Vec<DVec3> = self.views(position, normal).collect();
+            let [.., u, v] = recurrence4(number, [0.0; 4]);
             let wo = seen.get(number % seen.len().max(1));
-            let is_behind = match wo {
-                Some(wo) => wo.dot(normal) < 0.0,
-                // Both sides are seen from everywhere.
-                None => self.material.double_sided && number % 2 == 1,
-            };
-            let side = if is_behind { -1.0 } else { 1.0 };
-            let normal = side * normal;
+            // Without cameras, both sides are seen from everywhere.
+            let is_behind = wo.map_or(self.material.double_sided && number % 2 == 1, |wo| wo.dot(normal) < 0.0);
+            let normal = if is_behind { -normal } else { normal };
             let (part, lobes) = self.material.lobes(&|set| self.geometry.uv(triangle, weights, set));
             for lobe in lobes.iter().filter(|lobe| lobe.weight > 0.0) {
                 let (sin, cos) = sin_cos(lobe.turn);
-                let along = cos * tangent + sin * side * normal.cross(tangent);
+                let along = cos * tangent + sin * bitangent;
                 let frame = [along, normal.cross(along), normal];
-                let (theta, phi) = if self.cameras.is_empty() {
-                    (w * STEEPEST, x * TAU)
-                } else {
-                    let Some(wo) = wo else { continue };
-                    let [x, y, z] = frame.map(|axis| wo.dot(axis));
-                    (atan2((x * x + y * y).sqrt(), z), atan2(y, x))
+                let (theta, phi) = match wo.map(|wo| frame.map(|axis| wo.dot(axis))) {
+                    Some([x, y, z]) => (atan2((x * x + y * y).sqrt(), z), atan2(y, x)),
+                    None if self.cameras.is_empty() => (u * STEEPEST, v * TAU),
+                    None => continue,
                 };
                 if theta > STEEPEST {
                     continue;
@@ -285,39 +282,6 @@ impl Instance<'_> {
                     fresnel: lobe.formula,
                     lights: lights.flat_map(|(index, light)| light.seen_from(index, position, frame)).collect(),
                 });
-            }
-        }
-        found
-    }
-
-    /// The lobes at some points. `step` is the area of each point, `reached` the total area up to and including each
-    /// triangle.
-    fn points(&self, numbers: Range<usize>, step: f64, reached: &[f64]) -> Gathered {
-        let (mut found, mut views) = (Gathered::default(), Vec::new());
-        let mut triangle = reached.partition_point(|reached| *reached < (numbers.start as f64 + 0.5) * step);
-        for number in numbers {
-            let at = (number as f64 + 0.5) * step;
-            while triangle < reached.len() && reached[triangle] < at {
-                triangle += 1;
-            }
-            if triangle == reached.len() {
-                break;
-            }
-            let [u, v, ..] = recurrence4(number, [0.0; 4]);
-            let weights = weights(u, v);
-            views.clear();
-            if !self.cameras.is_empty() {
-                let (position, frame) = self.geometry.point(triangle, weights, self.world);
-                views.extend(self.cameras.iter().filter_map(|camera| {
-                    let wo = camera.view(position)?;
-                    let mut wo = DVec3::from(frame.map(|axis| wo.dot(axis)));
-                    wo.z = if self.material.double_sided { wo.z.abs() } else { wo.z };
-                    (wo.z > 0.0).then_some(wo)
-                }));
-            }
-            if self.cameras.is_empty() || !views.is_empty() {
-                let (part, lobes) = self.material.lobes(&|set| self.geometry.uv(triangle, weights, set));
-                found.add(&lobes, step * part, &views);
             }
         }
         found
