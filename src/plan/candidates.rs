@@ -1,10 +1,9 @@
 //! Tables that could serve a scene, with their predicted errors and costs, and the choice among them.
 
-use crate::{
-    effort::efforts,
-    front::front,
-    prediction::{Nodes, Prediction},
-};
+use std::cmp::Ordering;
+
+use crate::prediction::{Nodes, Prediction};
+use ltcforge_files::recipe_document::Preset;
 use ltcforge_fit::{FitSettings, LobeFresnel, PerAxis, Precision, Recipe, fit_seconds};
 
 /// Minimum and maximum number of nodes on an axis with several values.
@@ -55,12 +54,6 @@ impl Candidate {
         Self { recipe, error, bytes, limit: Some(limit.min(error)), shipped, seconds }
     }
 
-    /// The same nodes with another effort.
-    fn with(&self, fit: FitSettings, prediction: &Prediction, nodes: Nodes) -> Self {
-        let recipe = Recipe { fit, ..self.recipe.clone() };
-        Self { error: prediction.error(nodes, &recipe), seconds: fit_seconds(&recipe), recipe, ..*self }
-    }
-
     /// The bytes that the budget counts: of the compact form or the engine's files, or else of the table on a GPU.
     pub(crate) fn spent(&self) -> u64 {
         self.shipped.unwrap_or(self.bytes)
@@ -73,21 +66,29 @@ impl Candidate {
 }
 
 /// All candidates. For each choice of lobes, we keep the nodes whose table has less error than all tables with fewer
-/// entries, and combine them with every effort.
+/// entries, and combine them with every preset.
 pub(crate) fn candidates(prediction: &Prediction) -> Vec<Candidate> {
     let base = &prediction.base;
     let is_free = base.layout.only_ranges().is_none();
-    let efforts = efforts(base);
+    let entries = |nodes: &Nodes| nodes.resolution.named().iter().map(|(_, n)| f64::from(**n)).product::<f64>();
     let mut found = Vec::new();
     for lobes in 0..prediction.curves.len() {
         let all = if is_free { choices(prediction, lobes) } else { vec![Nodes::even(lobes, base.resolution)] };
-        let priced = |nodes: Nodes| {
-            let entries: f64 = nodes.resolution.named().iter().map(|(_, n)| f64::from(**n)).product();
-            (entries, prediction.of_nodes(nodes), nodes)
-        };
-        for nodes in front(all.into_iter().map(priced).collect()) {
+        let mut priced: Vec<(f64, f64, Nodes)> =
+            all.into_iter().map(|nodes| (entries(&nodes), prediction.of_nodes(nodes), nodes)).collect();
+        priced.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        let mut least = f64::INFINITY;
+        for (_, added, nodes) in priced {
+            if added >= least {
+                continue;
+            }
+            least = added;
             let one = Candidate::of(prediction, nodes, base.fit);
-            found.extend(efforts.iter().map(|fit| one.with(*fit, prediction, nodes)));
+            found.extend(Preset::ALL.map(|preset| {
+                let recipe = Recipe { fit: preset.fit(), ..one.recipe.clone() };
+                let error = prediction.error(nodes, &recipe);
+                Candidate { error, seconds: fit_seconds(&recipe), recipe, ..one }
+            }));
         }
     }
     found
@@ -134,53 +135,51 @@ const SECONDS: Price = |candidate| candidate.seconds;
 /// # Errors
 /// The nearest candidate, if no candidate is within the budget.
 pub(crate) fn choose(candidates: &[Candidate], budget: Budget) -> Result<&Candidate, &Candidate> {
-    let is_one_size = candidates.iter().all(|candidate| candidate.bytes == candidates[0].bytes);
-    let slack = |factor: f64| if is_one_size { 1.0 } else { factor };
-    let equal = slack(EQUAL);
-    let (price, most, then) = match budget {
-        Budget::Error(most) => (ERROR, most, [(BYTES, 1.0), (SECONDS, 1.0), (ERROR, 1.0)]),
-        Budget::Bytes(most) => (BYTES, most as f64, [(ERROR, equal), (SECONDS, 1.0), (BYTES, 1.0)]),
-        Budget::Seconds(most) => (SECONDS, most, [(ERROR, equal), (BYTES, 1.0), (SECONDS, 1.0)]),
-        Budget::Knee => {
-            let most = within(&candidates.iter().collect::<Vec<_>>(), ERROR, slack(KNEE));
-            (ERROR, most, [(BYTES, 1.0), (SECONDS, 1.0), (ERROR, 1.0)])
-        }
+    let all: Vec<&Candidate> = candidates.iter().collect();
+    let (price, most) = match budget {
+        Budget::Error(most) => (ERROR, most),
+        Budget::Bytes(most) => (BYTES, most as f64),
+        Budget::Seconds(most) => (SECONDS, most),
+        Budget::Knee => (ERROR, highest(&all, KNEE)),
     };
     let mut allowed: Vec<&Candidate> = candidates.iter().filter(|candidate| price(candidate) <= most).collect();
     if allowed.is_empty() {
-        return Err(least(candidates.iter().collect(), [(price, 1.0), (ERROR, equal), (BYTES, 1.0)]));
+        return Err(cheapest(&all, [price, ERROR, BYTES]));
     }
-    // For the same budget, nothing above the default table's error is chosen.
-    if let Budget::Bytes(_) | Budget::Seconds(_) = budget
-        && let Some(error) = allowed.iter().find(|candidate| candidate.limit.is_none()).map(|whole| whole.error)
-    {
-        allowed.retain(|candidate| candidate.error <= error);
+    if let Budget::Bytes(_) | Budget::Seconds(_) = budget {
+        // Nothing above the default table's error is chosen.
+        if let Some(whole) = allowed.iter().find(|candidate| candidate.limit.is_none()).copied() {
+            allowed.retain(|candidate| candidate.error <= whole.error);
+        }
+        let most = highest(&allowed, EQUAL);
+        allowed.retain(|candidate| candidate.error <= most);
     }
-    Ok(least(allowed, then))
+    let prices = if let Budget::Bytes(_) = budget { [SECONDS, BYTES, ERROR] } else { [BYTES, SECONDS, ERROR] };
+    Ok(cheapest(&allowed, prices))
 }
 
-/// The highest price within a slack of the lowest. Only errors have a slack. It applies to the part that nodes and effort
-/// remove from the error of the scene's own tables. This part of the default table's error is not known.
-fn within(candidates: &[&Candidate], price: Price, slack: f64) -> f64 {
-    let least = |prices: &mut dyn Iterator<Item = f64>| prices.fold(f64::INFINITY, f64::min);
-    let lowest = least(&mut candidates.iter().map(|candidate| price(candidate)));
-    if slack == 1.0 {
-        return lowest;
+/// The highest error within a factor of the least. The factor applies to the part that nodes and effort remove from the
+/// error of the scene's own tables. This part of the default table's error is not known. Domain: at least one candidate.
+fn highest(candidates: &[&Candidate], factor: f64) -> f64 {
+    let least = candidates.iter().map(|candidate| candidate.error).fold(f64::INFINITY, f64::min);
+    let own = candidates.iter().filter_map(|candidate| Some((candidate.error, candidate.limit?)));
+    let (error, limit) = own.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default();
+    if candidates.iter().all(|candidate| candidate.bytes == candidates[0].bytes) {
+        least
+    } else if error > limit {
+        least + (factor - 1.0) * (error - limit)
+    } else {
+        // Under a few lights, a table may be nearer than the error that should remain.
+        EQUAL * least
     }
-    let own = || candidates.iter().filter_map(|candidate| Some((candidate.error, candidate.limit?)));
-    let removable = least(&mut own().map(|(error, _)| error)) - least(&mut own().map(|(_, limit)| limit));
-    // Under a few lights, a table may be nearer than the error that should remain. Then a part of all error is equal.
-    lowest + if removable > 0.0 { (slack - 1.0) * removable } else { (EQUAL - 1.0) * lowest }
 }
 
-/// The candidate with the lowest first price. Candidates within a price's slack are compared by the next price. Domain:
-/// at least one candidate.
-fn least(mut left: Vec<&Candidate>, prices: [(Price, f64); 3]) -> &Candidate {
-    for (price, slack) in prices {
-        let most = within(&left, price, slack);
-        left.retain(|candidate| price(candidate) <= most);
-    }
-    left[0]
+/// The candidate with the lowest first price, then the lowest second price, and so on. Domain: at least one candidate.
+fn cheapest<'a>(candidates: &[&'a Candidate], prices: [Price; 3]) -> &'a Candidate {
+    let order = |a: &Candidate, b: &Candidate| {
+        prices.iter().fold(Ordering::Equal, |order, price| order.then(price(a).total_cmp(&price(b))))
+    };
+    candidates.iter().copied().min_by(|a, b| order(a, b)).unwrap_or(candidates[0])
 }
 
 #[cfg(test)]

@@ -5,10 +5,8 @@
 mod candidates;
 mod curve;
 mod document;
-mod effort;
 mod figures;
 mod form;
-mod front;
 mod histogram;
 #[cfg(test)]
 mod hostile;

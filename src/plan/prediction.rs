@@ -14,7 +14,6 @@ use std::ops::Range;
 
 use crate::{
     curve::{Curve, squared_steps},
-    effort::added_error,
     form::Form,
     lobes::{Lobes, fitted, lobes},
     needs::Needs,
@@ -25,7 +24,8 @@ use ltcforge_files::{
     recipe_document::Preset,
 };
 use ltcforge_fit::{
-    FITTER_VERSION, GivenNodes, GoOn, Layout, LobeModel, PerAxis, Precision, Recipe, StoredTerms, Table, expectation,
+    FITTER_VERSION, FitSettings, GivenNodes, GoOn, Layout, LobeModel, PerAxis, Precision, Recipe, StoredTerms, Table,
+    expectation,
 };
 use ltcforge_shaders::GpuCost;
 use ltcforge_textures::Engine;
@@ -77,6 +77,12 @@ impl Nodes {
     pub(crate) fn even(lobes: usize, resolution: PerAxis<u32>) -> Self {
         Self { lobes, resolution, given: [false; 2], of_materials: false }
     }
+}
+
+/// The expected error that the limits on samples and directions add.
+fn added_error(recipe: &Recipe) -> f64 {
+    let endless = FitSettings { samples: u32::MAX, directions: u32::MAX, ..recipe.fit };
+    expectation(recipe).error - expectation(&Recipe { fit: endless, ..recipe.clone() }).error
 }
 
 /// The number of nodes on each axis: one if the range is a single value.

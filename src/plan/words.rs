@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 
 use crate::{
     candidates::Budget,
-    effort::in_words as effort_in_words,
     figures::{Figure, Help},
     histogram::span,
     plan::TablePlan,
     scene::Scene,
 };
+use ltcforge_files::recipe_document::Preset;
 use ltcforge_fit::BrdfKind;
 
 /// Maximum number of lines about materials.
@@ -194,6 +194,7 @@ fn words_of(plan: &TablePlan<'_>) -> Vec<String> {
     } else {
         format!("{alpha} x {ratio}")
     };
+    let preset = Preset::ALL.into_iter().find(|preset| preset.fit() == recipe.fit).map_or("custom", Preset::name);
     let measured = plan.measured().map_or_else(String::new, |fitted| format!("; measured {:.4}", fitted.error));
     let whole_error = whole.known_error().map_or_else(String::new, |error| format!(", error {error:.4}"));
     let remains = chosen
@@ -201,10 +202,10 @@ fn words_of(plan: &TablePlan<'_>) -> Vec<String> {
         .map_or_else(String::new, |limit| format!(", of which {limit:.4} remains with any number of nodes"));
     let mut lines = vec![
         format!(
-            "{surfaces} x {theta} x {phi} nodes, {} as {}, {}, {:.1} s on one core: expected error {:.4} {}{remains}{measured}",
+            "{surfaces} x {theta} x {phi} nodes, {} as {}, preset {}, {:.1} s on one core: expected error {:.4} {}{remains}{measured}",
             in_bytes(chosen.bytes),
             recipe.precision,
-            effort_in_words(&recipe.fit),
+            preset,
             chosen.seconds,
             chosen.error,
             unit(plan)
