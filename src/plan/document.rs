@@ -8,6 +8,7 @@ use crate::{
     histogram::span,
     plan::{Fitted, TablePlan},
     scene::{Scene, SceneLight, SceneLobe, SceneMaterial},
+    without::text_cost_of,
 };
 use ltcforge_files::recipe_document::{canonical_json, digest};
 use ltcforge_fit::{Recipe, Sides, fit_seconds};
@@ -91,7 +92,7 @@ fn fitted(fitted: &Fitted) -> Value {
 }
 
 fn table(plan: &TablePlan<'_>) -> Value {
-    let TablePlan { needs, budget, is_met, chosen, whole, shading, figures, .. } = plan;
+    let TablePlan { needs, budget, is_met, chosen, whole, figures, .. } = plan;
     let serves: Vec<Value> = needs.lobes.iter().map(|(index, lobe)| served(*index, lobe, &chosen.recipe)).collect();
     let (kind, most) = match budget {
         Budget::Error(most) => ("error", json!(most)),
@@ -111,19 +112,19 @@ fn table(plan: &TablePlan<'_>) -> Value {
         "error_of": if plan.probes.are_lit() { "light" } else { "lobe" },
         "measured": plan.measured().map(fitted),
         "gpu_limit": plan.form.gpu,
-        "gpu_cost": shading.gpu_cost,
+        "gpu_cost": text_cost_of(&chosen.recipe),
         "light_error": plan.light[0],
         "materials": figures,
         "worst": figures.iter().map(|figure| figure.error).fold(0.0, f64::max),
         "worst_material": plan.worst().map(|worst| worst.name(plan.needs.scene)),
         "worst_light": plan.worst_light.map(|(name, error)| json!({ "name": name, "error": error })),
-        "model": shading.without().map(|without| without.model),
-        "rule": shading.without().and_then(|without| without.rule),
+        "model": plan.without().map(|without| without.model),
+        "rule": plan.without().and_then(|without| without.rule),
         "use_closed_form": plan.form_first().is_some(),
-        "without_table": shading.without_table,
+        "without_table": plan.without_table,
         "whole": {
-            "recipe_digest": digest(&whole.recipe), "bytes": whole.bytes, "predicted_error": whole.predicted,
-            "predicted_seconds": fit_seconds(&whole.recipe), "error": whole.error,
+            "recipe_digest": digest(&whole.recipe), "bytes": whole.recipe.bytes(), "error": whole.error,
+            "predicted_seconds": fit_seconds(&whole.recipe),
         },
         "candidates": plan.front().chain(others).map(|row| candidate(row, plan)).collect::<Vec<_>>(),
     })

@@ -9,7 +9,7 @@ use crate::{
     needs::Needs,
     prediction::{Nodes, Prediction, nodes_within},
     probes::{POINTS, Probes, Stopped},
-    without::{FAR_NEARER, Shading, WithoutTable, text_cost_of},
+    without::{FAR_NEARER, WithoutTable, best, text_cost_of, without_table},
 };
 use ltcforge_files::{compact, recipe_document::Preset};
 use ltcforge_fit::{BrdfKind, GoOn, Layout, PerAxis, Precision, Recipe, StoredTerms, Table, fit_seconds};
@@ -29,7 +29,7 @@ const MOST_FITTED: usize = 5;
 /// Maximum number of candidates that are read from the coarse table.
 const MOST_READ: usize = 16;
 
-/// After the first correction, compact forms are predicted to be this factor longer than measured.
+/// After a correction, compact forms are predicted to be this factor longer than measured.
 const MARGIN: f64 = 1.02;
 
 /// A plan for one table.
@@ -49,8 +49,8 @@ pub struct TablePlan<'a> {
     pub fitted: Vec<Fitted>,
     /// The table of the whole domain, in its default form at preset `paper`.
     pub whole: Whole,
-    /// The costs of the table's shader and of rules without a table.
-    pub(crate) shading: Shading,
+    /// The models without a table.
+    pub(crate) without_table: Vec<WithoutTable>,
     pub(crate) form: Form,
     /// The figures on each lobe: predicted from the coarse table, or measured.
     pub figures: Vec<Figure>,
@@ -61,8 +61,6 @@ pub struct TablePlan<'a> {
     pub(crate) probes: Arc<Probes>,
     /// The errors of the light with the engine's table, or with the default table.
     pub(crate) stock: Option<Vec<f64>>,
-    /// The table of the whole domain, if its error is known.
-    pub(crate) whole_table: Option<Arc<Table>>,
     pub(crate) prediction: Prediction,
 }
 
@@ -86,24 +84,15 @@ impl Fitted {
 }
 
 /// The table of the whole domain.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Whole {
     /// The recipe of the table.
     pub recipe: Recipe,
-    /// Bytes of matrices and terms.
-    pub bytes: u64,
-    /// Mean error on the scene's configurations, predicted from the stored compact form, whose error is within 1 % of
-    /// the table's. `None` for any table except the default table.
-    pub predicted: Option<f64>,
-    /// Mean error on the scene's configurations, if the table was measured.
+    /// Mean error on the scene's configurations: measured, or for the default table that of its stored compact form,
+    /// whose error is within 3 % of the table's.
     pub error: Option<f64>,
-}
-
-impl Whole {
-    /// The measured error, or else the predicted error.
-    pub(crate) fn known_error(&self) -> Option<f64> {
-        self.error.or(self.predicted)
-    }
+    /// The table that has this error.
+    table: Option<Arc<Table>>,
 }
 
 impl<'a> TablePlan<'a> {
@@ -117,8 +106,7 @@ impl<'a> TablePlan<'a> {
         let layout = form.layout.or(default).unwrap_or(Layout::ALL[0]);
         let probes = Probes::new(&needs, POINTS);
         let kept = compact::decode(WHOLE).ok().filter(|_| needs.brdf == BrdfKind::Ggx);
-        let whole_table = kept.clone().filter(|_| layout == Layout::ALL[0]).map(Arc::new);
-        let predicted = whole_table.as_ref().map(|table| probes.error(table));
+        let whole_table = kept.clone().filter(|_| layout == Layout::ALL[0]);
         let own = form.engine.and_then(Engine::stock);
         let is_own = own.is_some();
         let stock = own.or(kept).and_then(|table| probes.light_errors(lighting(&table)));
@@ -133,28 +121,26 @@ impl<'a> TablePlan<'a> {
             figures: Vec::new(),
             light: [None; 3],
             worst_light: None,
-            whole: Whole { predicted, ..whole(&prediction.base) },
-            shading: Shading::new(&needs, &probes, form.gpu),
+            whole: Whole {
+                recipe: whole_recipe(&prediction.base),
+                error: whole_table.as_ref().map(|table| probes.error(table)),
+                table: whole_table.map(Arc::new),
+            },
+            without_table: without_table(&needs, &probes),
             form,
             needs,
             probes: Arc::new(probes),
             stock,
-            whole_table,
             prediction,
         };
         Ok(plan.choose())
     }
 
     pub(crate) fn choose(mut self) -> Self {
-        self.candidates = candidates(&self.prediction);
-        let whole = self.of_whole();
-        self.candidates.extend(whole);
-        let gpu = self.form.gpu;
-        let is_readable = |candidate: &Candidate| gpu.allows(text_cost_of(&candidate.recipe));
-        let is_any_readable = self.candidates.iter().any(is_readable);
-        if is_any_readable {
-            self.candidates.retain(is_readable);
-        }
+        let all = candidates(&self.prediction).into_iter().chain(self.of_whole());
+        let (readable, others): (Vec<_>, Vec<_>) = all.partition(|candidate| self.is_readable(candidate));
+        let is_any_readable = !readable.is_empty();
+        self.candidates = if is_any_readable { readable } else { others };
         // Errors of light do not add up exactly: under the scene's lights, the best candidates are read from the coarse
         // table.
         let mut read: Vec<Recipe> = Vec::new();
@@ -172,7 +158,7 @@ impl<'a> TablePlan<'a> {
             }
             read.push(recipe.clone());
         }
-        let whole = self.whole_table.clone().filter(|_| self.chosen.limit.is_none());
+        let whole = self.whole.table.clone().filter(|_| self.chosen.limit.is_none());
         let read = whole.unwrap_or_else(|| Arc::new(self.prediction.read(&self.chosen.recipe, 0..4)));
         self.show(&read);
         self
@@ -181,9 +167,9 @@ impl<'a> TablePlan<'a> {
     /// Computes the figures of each lobe for a table of the choice.
     fn show(&mut self, table: &Table) {
         let of_table = self.probes.light_errors(lighting(table));
-        self.shading.compare(&self.chosen.recipe, of_table.as_ref().map(|errors| self.probes.mean(errors)));
         self.worst_light = self.probes.worst_light(lighting(table), &self.needs.scene.lights);
-        let light = [of_table, self.stock.clone(), self.shading.without().and_then(|form| form.light.clone())];
+        self.light[0] = of_table.as_ref().map(|errors| self.probes.mean(errors));
+        let light = [of_table, self.stock.clone(), self.without().and_then(|form| form.light.clone())];
         self.light = light.each_ref().map(|errors| Some(self.probes.mean(errors.as_ref()?)));
         self.figures = figures(&self.needs, &self.probes, (table, self.chosen.recipe.brdf.fresnel()), &light);
         // The default table has other ranges.
@@ -200,10 +186,10 @@ impl<'a> TablePlan<'a> {
     /// Measures the fitted table of the choice and, if given, the table of the whole domain. The measured error or bytes
     /// decide whether the budget is met.
     ///
-    /// The first time, the choice is made again with corrected predictions if the prediction was off by more than a
-    /// fifth or the table misses the budget. Otherwise, if the table of the whole domain is better, and its halves are
-    /// within a budget of bytes, it becomes the choice. A choice whose compact form is too long is corrected several
-    /// times. If the choice changes, the plan is not [measured](TablePlan::is_measured): fit the new choice too.
+    /// The choice is made again with corrected predictions if the table has too many bytes, or the first time if the
+    /// prediction was off by more than a fifth or the table misses the budget. Otherwise, if the table of the whole
+    /// domain is better, and its halves are within a budget of bytes, it becomes the choice. If the choice changes, the
+    /// plan is not [measured](TablePlan::is_measured): fit the new choice too.
     pub fn measure(&mut self, table: &Table, whole: Option<&Table>) {
         // A table to ship is measured after decoding.
         let (decoded, shipped) = match self.form.engine {
@@ -213,7 +199,7 @@ impl<'a> TablePlan<'a> {
         let error = self.probes.error(decoded.as_ref().unwrap_or(table));
         if let Some(whole) = whole {
             self.whole.error = Some(self.probes.error(whole));
-            self.whole_table = Some(Arc::new(whole.clone()));
+            self.whole.table = Some(Arc::new(whole.clone()));
         }
         let is_first = self.fitted.is_empty();
         let fitted = Fitted { candidate: self.chosen.clone(), error, shipped };
@@ -227,16 +213,14 @@ impl<'a> TablePlan<'a> {
             Budget::Seconds(_) | Budget::Knee => self.is_met,
         };
         let misses = self.is_met && !is_met;
-        self.is_met = is_met && self.shading.is_table_readable;
-        // Predicted bytes of compact forms are off by a few percent, so the form may exceed the budget.
-        let is_too_long = self.chosen.shipped.is_some()
-            && self.fitted.len() < MOST_FITTED
-            && matches!(self.budget, Budget::Bytes(most) if spent > most);
-        if is_too_long || is_first && ((factor - 1.0).abs() > MOST_OFF || misses) {
-            let of_bytes = shipped.zip(self.chosen.shipped).map_or(1.0, |(is, was)| is as f64 / was as f64);
-            let (factor, margin) = if is_first { (factor, 1.0) } else { (1.0, MARGIN) };
-            let prediction = self.prediction.corrected(factor, of_bytes * margin);
-            let again = Self { prediction, ..self.clone() }.choose();
+        self.is_met = is_met && self.is_readable(&self.chosen);
+        let is_off = match self.budget {
+            Budget::Bytes(most) if self.chosen.shipped.is_some() && spent > most => self.fitted.len() < MOST_FITTED,
+            _ => is_first && ((factor - 1.0).abs() > MOST_OFF || misses),
+        };
+        if is_off {
+            let of_bytes = shipped.zip(self.chosen.shipped).map_or(1.0, |(is, was)| MARGIN * is as f64 / was as f64);
+            let again = Self { prediction: self.prediction.corrected(factor, of_bytes), ..self.clone() }.choose();
             let is_met = if again.chosen.recipe == self.chosen.recipe { self.is_met } else { again.is_met };
             *self = Self { is_met, ..again };
         } else if let Some(whole) = self.of_whole().filter(|whole| is_first && whole.error < error)
@@ -249,11 +233,21 @@ impl<'a> TablePlan<'a> {
         }
     }
 
+    /// Whether the cost of the shader that reads a candidate's table is within the limits.
+    pub(crate) fn is_readable(&self, candidate: &Candidate) -> bool {
+        self.form.gpu.allows(text_cost_of(&candidate.recipe))
+    }
+
+    /// The best model without a table within the limits.
+    pub(crate) fn without(&self) -> Option<&WithoutTable> {
+        best(&self.without_table, self.form.gpu, self.light[0])
+    }
+
     /// The best model without a table and its error, if it serves the scene better than the table.
     #[must_use]
     pub fn form_first(&self) -> Option<(&WithoutTable, f64)> {
         let [table, _, form] = self.light;
-        self.shading.without().zip(form).filter(|(_, error)| table.is_some_and(|table| *error <= FAR_NEARER * table))
+        self.without().zip(form).filter(|(_, error)| table.is_some_and(|table| *error <= FAR_NEARER * table))
     }
 
     /// The engine with its own table.
@@ -263,7 +257,7 @@ impl<'a> TablePlan<'a> {
 
     /// The default table of the whole domain in halves, as a candidate whose error is known.
     fn of_whole(&self) -> Option<Candidate> {
-        let error = self.whole.known_error().filter(|_| !self.form.ship && !self.form.no_terms)?;
+        let error = self.whole.error.filter(|_| !self.form.ship && !self.form.no_terms)?;
         let recipe = Recipe { precision: Precision::F16, ..self.whole.recipe.clone() };
         let (bytes, seconds) = (recipe.bytes(), fit_seconds(&recipe));
         Some(Candidate { shipped: self.prediction.shipped(&recipe), recipe, error, bytes, limit: None, seconds })
@@ -287,14 +281,14 @@ impl<'a> TablePlan<'a> {
     }
 }
 
-/// The default table of the scattering model, over its whole domain.
-fn whole(base: &Recipe) -> Whole {
+/// The recipe of the scattering model's default table, over its whole domain.
+fn whole_recipe(base: &Recipe) -> Recipe {
     let quarter = [0.0, std::f64::consts::FRAC_PI_2];
     let anisotropic = PerAxis { alpha: [0.0, 1.0], ratio: [0.0, 1.0], theta: quarter, phi: quarter };
     let isotropic = PerAxis { ratio: [1.0; 2], phi: [0.0; 2], ..anisotropic };
     let of_model = if base.brdf().is_isotropic() { isotropic } else { anisotropic };
     let range = base.layout.only_ranges().unwrap_or(of_model);
-    let recipe = Recipe {
+    Recipe {
         brdf: base.brdf().into(),
         resolution: nodes_within(&range, base.layout.default_resolution()),
         range,
@@ -302,6 +296,5 @@ fn whole(base: &Recipe) -> Whole {
         terms: StoredTerms::Schlick,
         precision: Precision::F32,
         ..base.clone()
-    };
-    Whole { bytes: recipe.bytes(), recipe, predicted: None, error: None }
+    }
 }

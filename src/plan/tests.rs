@@ -39,8 +39,7 @@ impl TablePlan<'_> {
     /// The same plan with another budget and other GPU limits. Domain: limits that allow two lobes per entry if the
     /// limits of this plan allow them.
     pub(crate) fn within(&self, budget: Budget, gpu: GpuLimit) -> Self {
-        let shading = without::Shading::new(&self.needs, &self.probes, gpu);
-        Self { budget, shading, form: Form { gpu, ..self.form }, ..self.clone() }.choose()
+        Self { budget, form: Form { gpu, ..self.form }, ..self.clone() }.choose()
     }
 }
 
@@ -84,7 +83,7 @@ pub(crate) fn isotropic() -> TablePlan<'static> {
 #[test]
 fn an_eighth_of_the_bytes_serves_a_few_materials_as_well_as_the_whole_domain() {
     for shared in [&ISOTROPIC_PLAN, &ANISOTROPIC_PLAN] {
-        let eighth = isotropic().whole.bytes / 8;
+        let eighth = isotropic().whole.recipe.bytes() / 8;
         let mut plan = shared.plan(Budget::Bytes(eighth));
         assert_eq!(plan.whole.recipe, isotropic().whole.recipe);
         let table = fitted(&plan.chosen.recipe);
@@ -169,7 +168,7 @@ fn errors_of_a_list_under_its_lights_are_as_predicted() {
 #[test]
 fn materials_far_apart_have_their_own_table() {
     let scene = listed(include_str!("../../docs/plan/seven.json"));
-    let mut plan = planned(&scene, Budget::Bytes(isotropic().whole.bytes / 8));
+    let mut plan = planned(&scene, Budget::Bytes(isotropic().whole.recipe.bytes() / 8));
     let recipe = plan.chosen.recipe.clone();
     assert_eq!((recipe.layout(), recipe.given().materials().len()), (Layout::Materials, 7));
     assert_eq!(parse(canonical_json(&recipe).as_bytes(), DEFAULT_ENTRY_LIMIT).as_ref(), Ok(&recipe));

@@ -54,80 +54,24 @@ impl WithoutTable {
     }
 }
 
-/// The costs of a table's shader, and the costs and errors of the models that need no table.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Shading {
-    /// The cost of the shader that reads the table.
-    pub(crate) gpu_cost: Option<GpuCost>,
-    /// Whether the cost of the table's shader is within the limits.
-    pub(crate) is_table_readable: bool,
-    /// The index of the best model without a table.
-    chosen: Option<usize>,
-    /// The models without a table.
-    pub(crate) without_table: Vec<WithoutTable>,
-    limit: GpuLimit,
+/// Measures the models without a table. Scattering models other than GGX need a table. Runs on the current rayon pool.
+pub(crate) fn without_table(needs: &Needs<'_>, probes: &Probes) -> Vec<WithoutTable> {
+    let rules = NormalsRule::SHADED.iter().map(|rule| (LightModel::Normals, Some(*rule)));
+    let all = rules.chain([(LightModel::LtcFormula, None)]).filter(|_| needs.brdf == BrdfKind::Ggx);
+    all.map(|(model, rule)| WithoutTable::new(model, rule, probes)).collect()
 }
 
-impl Shading {
-    /// Measures the models without a table. Scattering models other than GGX need a table. Runs on the current rayon
-    /// pool.
-    pub(crate) fn new(needs: &Needs<'_>, probes: &Probes, limit: GpuLimit) -> Self {
-        let forms = NormalsRule::SHADED.iter().map(|rule| (LightModel::Normals, Some(*rule)));
-        let forms = forms.chain([(LightModel::LtcFormula, None)]).filter(|_| needs.brdf == BrdfKind::Ggx);
-        let without_table = forms.map(|(model, rule)| WithoutTable::new(model, rule, probes)).collect();
-        Self { gpu_cost: None, is_table_readable: true, chosen: None, without_table, limit }
-    }
-
-    /// Compares the models with a recipe's table. The best model is within the limits. It is the cheapest that is far
-    /// nearer than the table, or else the nearest.
-    pub(crate) fn compare(&mut self, recipe: &Recipe, light_error: Option<f64>) {
-        self.gpu_cost = text_cost_of(recipe);
-        self.is_table_readable = self.limit.allows(self.gpu_cost);
-        let most = light_error.map_or(0.0, |error| FAR_NEARER * error);
-        let is_far = |error: f64| error <= most;
-        let key = |without: &WithoutTable| {
-            let (error, cost) =
-                (without.light_error.unwrap_or(f64::INFINITY), without.gpu_cost.map(|cost| cost.instructions));
-            (!is_far(error), if is_far(error) { f64::from(cost.unwrap_or(u32::MAX)) } else { error })
-        };
-        let within = self.without_table.iter().enumerate().filter(|(_, without)| self.limit.allows(without.gpu_cost));
-        let best = within.min_by(|(_, a), (_, b)| key(a).partial_cmp(&key(b)).unwrap_or(Ordering::Equal));
-        self.chosen = best.map(|(index, _)| index);
-    }
-
-    /// The best model without a table within the limits.
-    pub(crate) fn without(&self) -> Option<&WithoutTable> {
-        self.chosen.map(|chosen| &self.without_table[chosen])
-    }
-
-    /// The costs in words: of the table's shader, and of the model without a table.
-    pub(crate) fn words(&self) -> String {
-        let words = |cost: Option<GpuCost>| match cost {
-            Some(GpuCost { registers, instructions, .. }) => {
-                format!("{registers} registers, {instructions} instructions")
-            }
-            None => "not counted".to_owned(),
-        };
-        let without = self.without().map_or_else(String::new, |without| {
-            format!("; without a table: model {}, {}", without.name(", rule "), words(without.gpu_cost))
-        });
-        format!("shader of the table: {}{without}", words(self.gpu_cost))
-    }
-
-    /// The reasons that the GPU limits exclude the table or every model without a table.
-    pub(crate) fn beyond(&self) -> Vec<String> {
-        let mut lines = Vec::new();
-        if !self.is_table_readable {
-            lines.push("the table's shader exceeds the GPU limits".to_owned());
-        }
-        let cheapest = self.without_table.iter().min_by_key(|least| least.gpu_cost.map(|cost| cost.instructions));
-        if let Some(cheapest) = cheapest.filter(|_| self.chosen.is_none()) {
-            let needs = cheapest.gpu_cost.map_or(0, |cost| cost.instructions);
-            let name = cheapest.name(" ");
-            lines.push(format!("no model without a table is within the GPU limits: {name} needs {needs} instructions"));
-        }
-        lines
-    }
+/// The best model within the limits: the cheapest that is far nearer than the table with this error of the light, or
+/// else the nearest.
+pub(crate) fn best(models: &[WithoutTable], limit: GpuLimit, of_table: Option<f64>) -> Option<&WithoutTable> {
+    let key = |model: &WithoutTable| {
+        let error = model.light_error.unwrap_or(f64::INFINITY);
+        let is_far_nearer = of_table.is_some_and(|of_table| error <= FAR_NEARER * of_table);
+        let instructions = f64::from(model.gpu_cost.map_or(u32::MAX, |cost| cost.instructions));
+        (!is_far_nearer, if is_far_nearer { instructions } else { error })
+    };
+    let within = models.iter().filter(|model| limit.allows(model.gpu_cost));
+    within.min_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(Ordering::Equal))
 }
 
 #[cfg(test)]
@@ -146,7 +90,7 @@ mod tests {
             TablePlan::new(needs, Budget::Knee, Form { gpu, ..Form::default() }, &|| true).expect("nothing stops it")
         };
         let outcome = |plan: &TablePlan<'_>| {
-            let name = plan.shading.without().map(|without| without.name(" "));
+            let name = plan.without().map(|without| without.name(" "));
             (name, plan.chosen.recipe.brdf.fresnel().second().is_some(), plan.is_met)
         };
         let named = |name: &str, is_two, is_met| (Some(name.to_owned()), is_two, is_met);
@@ -158,6 +102,6 @@ mod tests {
         let plan = planned(limit(Some(63), None));
         assert_eq!(outcome(&plan), named("ltc-formula", false, true));
         let tight = plan.within(Budget::Knee, limit(None, Some(100)));
-        assert!(!tight.is_met && tight.shading.without().is_none());
+        assert!(!tight.is_met && tight.without().is_none());
     }
 }

@@ -8,9 +8,11 @@ use crate::{
     histogram::span,
     plan::TablePlan,
     scene::Scene,
+    without::text_cost_of,
 };
 use ltcforge_files::recipe_document::Preset;
 use ltcforge_fit::BrdfKind;
+use ltcforge_shaders::GpuCost;
 
 /// Maximum number of lines about materials.
 const MOST_LINES: usize = 12;
@@ -49,10 +51,7 @@ pub fn words(scene: &Scene, plans: &[TablePlan<'_>], is_verbose: bool) -> Vec<St
         if !dark.is_empty() {
             lines.push(format!("no light reaches {}", names(dark.iter().map(|figure| figure.name(scene)).collect())));
         }
-        if !plan.is_met && plan.shading.is_table_readable {
-            lines.push(unmet(plan));
-        }
-        lines.extend(plan.shading.beyond());
+        lines.extend(unmet(plan));
         lines.extend(conditions(plan));
         if is_verbose {
             lines.extend(words_of(plan));
@@ -114,8 +113,7 @@ fn advice(scene: &Scene, plan: &TablePlan<'_>) -> String {
 /// worse than the engine's.
 fn engine_lines(scene: &Scene, plan: &TablePlan<'_>) -> Vec<String> {
     let Some(engine) = plan.form.engine else { return Vec::new() };
-    let form =
-        plan.shading.without().map_or("no closed form".to_owned(), |form| format!("closed form, {}", form.in_words()));
+    let form = plan.without().map_or("no closed form".to_owned(), |form| format!("closed form, {}", form.in_words()));
     let called = [stock(plan), "this table".to_owned(), form];
     let [table, other, form] = plan.light;
     let line = |(name, error): (String, Option<f64>)| Some(format!("  {name}: error {:.5}", error?));
@@ -196,11 +194,18 @@ fn words_of(plan: &TablePlan<'_>) -> Vec<String> {
     };
     let preset = Preset::ALL.into_iter().find(|preset| preset.fit() == recipe.fit).map_or("custom", Preset::name);
     let measured = plan.measured().map_or_else(String::new, |fitted| format!("; measured {:.4}", fitted.error));
-    let whole_error = whole.known_error().map_or_else(String::new, |error| format!(", error {error:.4}"));
+    let whole_error = whole.error.map_or_else(String::new, |error| format!(", error {error:.4}"));
     let remains = chosen
         .limit
         .map_or_else(String::new, |limit| format!(", of which {limit:.4} remains with any number of nodes"));
-    let mut lines = vec![
+    let cost = |cost: Option<GpuCost>| match cost {
+        Some(cost) => format!("{} registers, {} instructions", cost.registers, cost.instructions),
+        None => "not counted".to_owned(),
+    };
+    let without = plan.without().map_or_else(String::new, |without| {
+        format!("; without a table: model {}, {}", without.name(", rule "), cost(without.gpu_cost))
+    });
+    vec![
         format!(
             "{surfaces} x {theta} x {phi} nodes, {} as {}, preset {}, {:.1} s on one core: expected error {:.4} {}{remains}{measured}",
             in_bytes(chosen.bytes),
@@ -211,10 +216,9 @@ fn words_of(plan: &TablePlan<'_>) -> Vec<String> {
             unit(plan)
         ),
         format!("lobes fitted to {}", recipe.brdf.fresnel()),
-        format!("the table of the whole domain: {}{whole_error}", in_bytes(whole.bytes)),
-    ];
-    lines.push(plan.shading.words());
-    lines
+        format!("the table of the whole domain: {}{whole_error}", in_bytes(whole.recipe.bytes())),
+        format!("shader of the table: {}{without}", cost(text_cost_of(recipe))),
+    ]
 }
 
 /// Facts about the table that its user must know.
@@ -238,16 +242,14 @@ fn conditions(plan: &TablePlan<'_>) -> Vec<String> {
     facts.into_iter().filter(|(holds, _)| *holds).map(|(_, fact)| fact.to_owned()).collect()
 }
 
-/// The reason that a budget is not met.
-fn unmet(plan: &TablePlan<'_>) -> String {
+/// The reasons that a budget or the GPU limits are not met.
+fn unmet(plan: &TablePlan<'_>) -> Vec<String> {
     let chosen = &plan.chosen;
-    match plan.budget {
+    let budget = match plan.budget {
         Budget::Error(most) => {
             let error = plan.measured().map_or(chosen.error, |fitted| fitted.error);
-            format!(
-                "no table has an error of {most} {unit} or less: the nearest table has {error:.4}",
-                unit = unit(plan)
-            )
+            let unit = unit(plan);
+            format!("no table has an error of {most} {unit} or less: the nearest table has {error:.4}")
         }
         Budget::Bytes(most) => {
             let least = plan.fitted.iter().filter_map(|fitted| fitted.shipped).min().unwrap_or(chosen.spent());
@@ -255,7 +257,18 @@ fn unmet(plan: &TablePlan<'_>) -> String {
         }
         Budget::Seconds(most) => format!("{most} s are too few: the fastest fit takes {:.3} s", chosen.seconds),
         Budget::Knee => "no table is within the limits".to_owned(),
-    }
+    };
+    let is_readable = plan.is_readable(chosen);
+    let cheapest = plan.without_table.iter().min_by_key(|model| model.gpu_cost.map(|cost| cost.instructions));
+    let cheapest = cheapest.filter(|_| plan.without().is_none()).map(|model| {
+        let (name, needs) = (model.name(" "), model.gpu_cost.map_or(0, |cost| cost.instructions));
+        format!("no model without a table is within the GPU limits: {name} needs {needs} instructions")
+    });
+    let mut lines = Vec::new();
+    lines.extend((!plan.is_met && is_readable).then_some(budget));
+    lines.extend((!is_readable).then(|| "the table's shader exceeds the GPU limits".to_owned()));
+    lines.extend(cheapest);
+    lines
 }
 
 fn plural(n: usize, one: &str) -> String {

@@ -155,7 +155,7 @@ fn draw_front(out: &mut Vec<String>, table: &Value) {
     let unit = if table["error_of"] == "light" { "mean error of the light" } else { "mean error, lobe widths" };
     out.extend(frame(left, "Tables for this scene: error against size", "bytes of matrices and terms", unit));
     let point = |of: &Value, error: &str| Some([of["bytes"].as_f64()?, of[error].as_f64()?]);
-    let whole = point(&table["whole"], "error").or_else(|| point(&table["whole"], "predicted_error"));
+    let whole = point(&table["whole"], "error");
     let chosen = point(&table["predicted"], "error").unwrap_or([1.0; 2]);
     let mut front: Vec<[f64; 2]> =
         list(&table["candidates"]).iter().filter_map(|row| point(row, "predicted_error")).collect();
@@ -227,7 +227,7 @@ mod tests {
                 "recipe": { "range": { "alpha": [0.1, 0.5], "ratio": [1, 1], "phi": [0, 0] } },
                 "serves": [{ "material": 0, "kind": "base" }, { "material": 0, "kind": "clearcoat" }],
                 "predicted": { "bytes": 400, "error": 0.04 }, "measured": null, "limit": 0.03,
-                "whole": { "bytes": 166_320, "error": null, "predicted_error": 0.05 },
+                "whole": { "bytes": 166_320, "error": 0.05 },
                 "candidates": [{ "bytes": 400, "predicted_error": 0.04 }, { "bytes": 90, "predicted_error": 0.06 }],
             }],
         });
