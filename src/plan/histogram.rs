@@ -12,9 +12,9 @@ const CELLS: [f64; 2] = [1024.0, 256.0];
 const VIEWS: [usize; 2] = [45, 18];
 /// The most grazing view that [`Views::draw`] returns: 89 degrees, as in the report of a table.
 pub(crate) const STEEPEST: f64 = 0.99 * FRAC_PI_2;
-/// Alpha and ratio are rounded to multiples of `1 / DECIMALS`. This removes the rounding errors in the last digits of
-/// squares.
-const DECIMALS: f64 = 1e12;
+/// Alpha and ratio are rounded to multiples of `1 / DECIMALS`. This removes the rounding errors of sums and
+/// squares, which are below 1e-10.
+const DECIMALS: f64 = 1e9;
 /// The smallest reflectance at normal incidence that counts as metal. It is the reflectance of diamond.
 pub(crate) const LEAST_METAL: f64 = 0.17;
 
@@ -88,17 +88,6 @@ impl Histogram {
         add(sums, [weight * f0, weight * f90, weight]);
     }
 
-    /// Adds all of another histogram.
-    pub(crate) fn merge(&mut self, other: &Self) {
-        for (key, added) in &other.cells {
-            add(self.cells.entry(*key).or_default(), *added);
-        }
-        for i in 0..2 {
-            add(&mut self.fitted[i], other.fitted[i]);
-            add(&mut self.formula[i], other.formula[i]);
-        }
-    }
-
     /// The cells, smoothest first. Rounding removes the rounding errors of sums: a cell with one value has that value.
     pub(crate) fn spots(&self) -> Vec<Spot> {
         let spot = |[alpha, ratio, weight]: [f64; 3]| Spot { alpha: decimal(alpha), ratio: decimal(ratio), weight };
@@ -142,22 +131,8 @@ impl Views {
         }
         let cell = |x: f64, cells: usize| ((x / FRAC_PI_2 * cells as f64) as usize).min(cells - 1);
         self.weights[cell(theta, VIEWS[0]) * VIEWS[1] + cell(phi, VIEWS[1])] += weight;
-        self.widen([theta; 2], [phi; 2]);
-    }
-
-    /// Adds other views.
-    pub(crate) fn merge(&mut self, other: &Self) {
-        if self.is_all() {
-            self.clone_from(other);
-        } else if !other.is_all() {
-            self.weights.iter_mut().zip(&other.weights).for_each(|(weight, other)| *weight += other);
-            self.widen(other.theta, other.phi);
-        }
-    }
-
-    fn widen(&mut self, theta: [f64; 2], phi: [f64; 2]) {
-        self.theta = span(self.theta.into_iter().chain(theta));
-        self.phi = span(self.phi.into_iter().chain(phi));
+        self.theta = span(self.theta.into_iter().chain([theta]));
+        self.phi = span(self.phi.into_iter().chain([phi]));
     }
 
     /// Whether every view counts the same.
@@ -210,35 +185,6 @@ mod tests {
         assert_eq!((spots[0].alpha, spots[0].ratio, spots[0].weight), (0.1, 1.0, 3.0));
         assert_eq!((spots[1].alpha, spots[1].ratio), (0.3, decimal(1.0 / 3.0)));
         assert!((spots[1].weight - 100.0).abs() < 1e-9);
-    }
-
-    #[test]
-    fn merged_parts_equal_the_whole() {
-        let values = [(0.3, 1.0, 0.5), (0.3002, 1.0, 1.5), (0.1, 0.25, 2.0), (0.3001, 1.0, 0.25)];
-        let (mut whole, mut merged) = (Histogram::default(), Histogram::default());
-        let (mut all_views, mut merged_views) = (Views::default(), Views::default());
-        for part in values.chunks(2) {
-            let (mut histogram, mut views) = (Histogram::default(), Views::default());
-            for (alpha, ratio, weight) in part {
-                for each in [&mut histogram, &mut whole] {
-                    each.add([*alpha, *ratio], [[0.04, 1.0 - ratio], [0.9, *ratio]], *weight);
-                }
-                for each in [&mut views, &mut all_views] {
-                    each.add(*alpha, *ratio, *weight);
-                }
-            }
-            merged.merge(&histogram);
-            merged_views.merge(&views);
-        }
-        assert_eq!((merged.spots().len(), merged_views), (2, all_views));
-        for (merged, whole) in merged.spots().iter().zip(whole.spots()) {
-            let near = |a: f64, b: f64| (a - b).abs() < 1e-15;
-            assert!(near(merged.alpha, whole.alpha) && near(merged.weight, whole.weight), "{merged:?} {whole:?}");
-        }
-        assert_eq!(merged.f0(), whole.f0());
-        let mut none = Views::default();
-        none.merge(&Views::default());
-        assert!(none.is_all());
     }
 
     #[test]

@@ -42,15 +42,6 @@ impl Gathered {
         }
     }
 
-    /// Adds the lobes of another part of the surface.
-    pub(super) fn merge(&mut self, part: &Self) {
-        self.area += part.area;
-        for ((histogram, views), (other, other_views)) in self.lobes.iter_mut().zip(&part.lobes) {
-            histogram.merge(other);
-            views.merge(other_views);
-        }
-    }
-
     /// Makes the scene's material from the gathered lobes.
     pub(super) fn finish(self, name: String, uncovered: Vec<String>, is_every_view: bool) -> SceneMaterial {
         let lobe = |((histogram, views), kind): ((Histogram, Views), LobeKind)| SceneLobe {

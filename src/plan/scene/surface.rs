@@ -1,7 +1,7 @@
 //! Gathers the lobes of a scene's surface. Without cameras, the weight of an untextured material is the area of its
 //! triangles. Other materials are read at points that are spread evenly over their surface.
 
-use std::{collections::BTreeMap, f64::consts::TAU, ops::Range};
+use std::{collections::BTreeMap, f64::consts::TAU};
 
 use glam::{DMat4, DVec3};
 use rayon::prelude::*;
@@ -10,7 +10,7 @@ use super::{
     accessor::Buffers,
     camera::Placed,
     document::Document,
-    error::{SceneError, Unread, named},
+    error::{SceneError, named},
     gathered::Gathered,
     geometry::{Geometry, box_area},
     graph::Graph,
@@ -29,7 +29,7 @@ const POINTS: f64 = (1 << 20) as f64;
 /// Maximum number of cameras for which all points are read. If there are more cameras, fewer points are read.
 const FULL_CAMERAS: f64 = 16.0;
 const MOST_CAMERAS: u64 = 256;
-/// Points that a thread reads before it asks the caller whether to continue.
+/// Points that are read before the caller is asked whether to continue.
 const POINTS_OF_PART: usize = 1 << 10;
 /// Points that are read under the scene's lights, times the shapes of all lights, and the least and the most points.
 const LIT: f64 = 8192.0;
@@ -73,7 +73,7 @@ pub(super) fn gather(
         let read = part.accessors().chain(part.primitive.targets.iter().flat_map(BTreeMap::values).copied());
         corners = read.map(|accessor| document.accessors[accessor].count).fold(corners, u64::saturating_add);
         SceneError::above("corners and indices of all primitives", corners, MOST_CORNERS)?;
-        let geometry = Unread::split(Geometry::read(buffers, &part, &[], false))?;
+        let geometry = SceneError::split(Geometry::read(buffers, &part, &[], false))?;
         let work = geometry.as_ref().map_or(POINTS_OF_BOX, Geometry::len) as u64;
         let instances = part.worlds.len() as u64;
         // An instance takes time even if it has no triangle.
@@ -81,7 +81,7 @@ pub(super) fn gather(
         SceneError::above("triangles of all instances", looks, MOST_TRIANGLES)?;
         let Ok(geometry) = geometry else { continue };
         scene.triangles += work * instances;
-        let area = part.worlds.iter().flat_map(|world| areas(&geometry, world)).sum::<f64>();
+        let area = part.worlds.iter().map(|world| all(&reached(&geometry, world))).sum::<f64>();
         total += area;
         instances_of_all += instances;
         if cameras > 0 || material.is_textured() {
@@ -103,20 +103,20 @@ pub(super) fn gather(
             sets.push(0);
         }
         let read = if needs_uv && sets.is_empty() && has("POSITION") {
-            Err(Unread::Missing("it has no TANGENT, which its anisotropic material needs".to_owned()))
+            Err(SceneError::Missing("it has no TANGENT, which its anisotropic material needs".to_owned()))
         } else {
             Geometry::read(buffers, &part, &sets, has_frames)
         };
-        match Unread::split(read)? {
+        match SceneError::split(read)? {
             Ok(geometry) => {
                 for world in part.worlds {
                     let instance = Instance { material, geometry: &geometry, world, cameras: &graph.cameras };
-                    instance.gather(&mut gathered[slot], per_point, go_on)?;
+                    let reached = reached(&geometry, world);
+                    instance.gather(&mut gathered[slot], (&reached, per_point), go_on)?;
                     if !scene.lights.is_empty() {
                         let of = materials[..slot].iter().flatten().count();
-                        let reached = reached(&areas(&geometry, world));
                         // Half of the points are spread by area, and half evenly over the instances.
-                        let share = reached.last().map_or(0.0, |area| area / total) + 1.0 / instances_of_all as f64;
+                        let share = all(&reached) / total + 1.0 / instances_of_all as f64;
                         let expected = 0.5 * lit * share;
                         let count = (so_far + expected).floor() - so_far.floor();
                         so_far += expected;
@@ -148,15 +148,16 @@ pub(super) fn gather(
     Ok(scene)
 }
 
-/// The area of each triangle in the world.
-fn areas(geometry: &Geometry, world: &DMat4) -> Vec<f64> {
-    let all = (0..geometry.len()).into_par_iter().with_min_len(LEAST_AREAS);
-    all.map(|triangle| geometry.area(triangle, world)).collect()
+/// The total area up to and including each triangle, in the world.
+fn reached(geometry: &Geometry, world: &DMat4) -> Vec<f64> {
+    let triangles = (0..geometry.len()).into_par_iter().with_min_len(LEAST_AREAS);
+    let areas: Vec<f64> = triangles.map(|triangle| geometry.area(triangle, world)).collect();
+    areas.iter().scan(0.0, |sum, area| Some(*sum + area).inspect(|is| *sum = *is)).collect()
 }
 
-/// The total area up to and including each triangle.
-fn reached(areas: &[f64]) -> Vec<f64> {
-    areas.iter().scan(0.0, |sum, area| Some(*sum + area).inspect(|is| *sum = *is)).collect()
+/// The area of an instance.
+fn all(reached: &[f64]) -> f64 {
+    reached.last().copied().unwrap_or(0.0)
 }
 
 /// A point at an even step of the area, one triangle after another: point i at i + 1/2 steps. Returns the triangle and
@@ -190,27 +191,34 @@ struct Instance<'a> {
 impl Instance<'_> {
     /// Gathers the lobes of the instance. If they vary or there are cameras, it reads one point per `per_point` of
     /// area.
-    fn gather(&self, gathered: &mut Gathered, per_point: f64, go_on: &GoOn<'_>) -> Result<(), SceneError> {
+    fn gather(
+        &self,
+        gathered: &mut Gathered,
+        (reached, per_point): (&[f64], f64),
+        go_on: &GoOn<'_>,
+    ) -> Result<(), SceneError> {
         SceneError::unless(go_on)?;
-        let areas = areas(self.geometry, self.world);
-        let total: f64 = areas.iter().sum();
+        let total = all(reached);
         if self.cameras.is_empty() && !self.material.is_textured() {
             let (part, lobes) = self.material.lobes(&|_| [0.0; 2]);
             gathered.add(&lobes, total * part, &[]);
             return Ok(());
         }
-        if total <= 0.0 {
-            return Ok(());
-        }
         let points = (total / per_point).ceil().max(1.0);
-        let (step, count) = (total / points, points as usize);
-        let reached = reached(&areas);
-        let parts = (0..count.div_ceil(POINTS_OF_PART)).into_par_iter().map(|part| {
-            SceneError::unless(go_on)?;
-            Ok(self.points(part * POINTS_OF_PART..((part + 1) * POINTS_OF_PART).min(count), step, &reached))
-        });
-        // The order of the sums does not depend on the number of threads.
-        parts.collect::<Result<Vec<_>, SceneError>>()?.iter().for_each(|part| gathered.merge(part));
+        let step = total / points;
+        for number in (0..points as usize).filter(|_| total > 0.0) {
+            if number % POINTS_OF_PART == 0 {
+                SceneError::unless(go_on)?;
+            }
+            let Some((triangle, weights)) = spread(number, step, reached) else { break };
+            let (position, frame) = self.geometry.point(triangle, weights, self.world);
+            let component = |wo: DVec3| DVec3::new(wo.dot(frame[0]), wo.dot(frame[1]), wo.dot(frame[2]).abs());
+            let views: Vec<DVec3> = self.views(position, frame[2]).map(component).collect();
+            if self.cameras.is_empty() || !views.is_empty() {
+                let (part, lobes) = self.material.lobes(&|set| self.geometry.uv(triangle, weights, set));
+                gathered.add(&lobes, step * part, &views);
+            }
+        }
         Ok(())
     }
 
@@ -218,27 +226,6 @@ impl Instance<'_> {
     fn views(&self, position: DVec3, normal: DVec3) -> impl Iterator<Item = DVec3> {
         let views = self.cameras.iter().filter_map(move |camera| camera.view(position));
         views.filter(move |wo| wo.dot(normal) > 0.0 || self.material.double_sided && wo.dot(normal) < 0.0)
-    }
-
-    /// The lobes at some points. `step` is the area of each point, `reached` the total area up to and including each
-    /// triangle.
-    fn points(&self, numbers: Range<usize>, step: f64, reached: &[f64]) -> Gathered {
-        let (mut found, mut views) = (Gathered::default(), Vec::new());
-        for (triangle, weights) in numbers.filter_map(|number| spread(number, step, reached)) {
-            views.clear();
-            if !self.cameras.is_empty() {
-                let (position, frame) = self.geometry.point(triangle, weights, self.world);
-                views.extend(self.views(position, frame[2]).map(|wo| {
-                    let [x, y, z] = frame.map(|axis| wo.dot(axis));
-                    DVec3::new(x, y, z.abs())
-                }));
-            }
-            if self.cameras.is_empty() || !views.is_empty() {
-                let (part, lobes) = self.material.lobes(&|set| self.geometry.uv(triangle, weights, set));
-                found.add(&lobes, step * part, &views);
-            }
-        }
-        found
     }
 
     /// `count` points of the instance with their lights, each for an `expected` part of its area.
@@ -249,7 +236,7 @@ impl Instance<'_> {
         (reached, expected): (&[f64], f64),
         lights: &[SceneLight],
     ) -> Vec<ScenePoint> {
-        let (mut found, area) = (Vec::new(), reached.last().copied().unwrap_or(0.0));
+        let (mut found, area) = (Vec::new(), all(reached));
         for number in (0..count).filter(|_| area > 0.0) {
             let Some((triangle, weights)) = spread(number, area / count as f64, reached) else { continue };
             let (position, [tangent, bitangent, normal]) = self.geometry.point(triangle, weights, self.world);
