@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::{
     container::Container,
     document::{Accessor, Buffer, Document, Meshopt, Sparse, SparsePart},
-    error::{SceneError, Unread},
+    error::SceneError,
     extensions::extension,
 };
 
@@ -47,11 +47,11 @@ impl<'a> Buffers<'a> {
             };
             if (bytes.len() as u64) < buffer.byte_length {
                 let why = format!("buffer {index} has {} of {} bytes", bytes.len(), buffer.byte_length);
-                return Err(Unread::Missing(why));
+                return Err(SceneError::Missing(why));
             }
             Ok(bytes)
         };
-        let buffers = document.buffers.iter().enumerate().map(|buffer| Unread::split(bytes_of(buffer)));
+        let buffers = document.buffers.iter().enumerate().map(|buffer| SceneError::split(bytes_of(buffer)));
         let mut read = Self { document, read: buffers.collect::<Result<_, _>>()?, decoded: BTreeMap::new() };
         let mut left = MOST_DECODED;
         for (index, view) in document.buffer_views.iter().enumerate() {
@@ -59,7 +59,7 @@ impl<'a> Buffers<'a> {
                 let place = format!("/bufferViews/{index}");
                 let compressed: Meshopt = extension(&place, &view.extensions, name)?;
                 if let Ok(bytes) =
-                    Unread::split(read.decoded(&format!("{place}/extensions/{name}"), &compressed, &mut left))?
+                    SceneError::split(read.decoded(&format!("{place}/extensions/{name}"), &compressed, &mut left))?
                 {
                     read.decoded.insert(index, bytes);
                 }
@@ -69,46 +69,44 @@ impl<'a> Buffers<'a> {
     }
 
     /// Decodes a buffer view within the bytes that are `left`.
-    fn decoded(&self, place: &str, view: &Meshopt, left: &mut usize) -> Result<Vec<u8>, Unread> {
+    fn decoded(&self, place: &str, view: &Meshopt, left: &mut usize) -> Result<Vec<u8>, SceneError> {
         let fault = |error: MeshoptError| match error {
-            MeshoptError::UnsupportedVersion => Unread::Missing(error.to_string()),
-            _ => Unread::Fault(SceneError::fault(place, error.to_string())),
+            MeshoptError::UnsupportedVersion => SceneError::Missing(error.to_string()),
+            _ => SceneError::fault(place, error.to_string()),
         };
         let source = self.bytes(place, view.buffer, [view.byte_offset, view.byte_length])?;
         let filter = view.filter.as_deref().map_or(Ok(Filter::None), Filter::parse).map_err(fault)?;
         let mode = Mode::parse(&view.mode).map_err(fault)?;
         let layout = codec::BufferView::new(mode, filter, view.count, view.byte_stride).map_err(fault)?;
         let rest = left.checked_sub(layout.byte_length());
-        *left = rest.ok_or_else(|| Unread::Missing(format!("it decodes to more than {MOST_DECODED} bytes")))?;
+        *left = rest.ok_or_else(|| SceneError::Missing(format!("it decodes to more than {MOST_DECODED} bytes")))?;
         layout.decode(source, &mut Workspace::default()).map_err(fault)
     }
 
     /// A part of a buffer: its first byte and its length.
-    fn bytes(&self, place: &str, index: usize, [start, length]: [u64; 2]) -> Result<&[u8], Unread> {
+    fn bytes(&self, place: &str, index: usize, [start, length]: [u64; 2]) -> Result<&[u8], SceneError> {
         let end = start.saturating_add(length);
         if self.document.buffers.get(index).is_none_or(|buffer| end > buffer.byte_length) {
-            return Err(
-                SceneError::fault(place, format!("bytes {start} to {end} are outside of buffer {index}")).into()
-            );
+            return Err(SceneError::fault(place, format!("bytes {start} to {end} are outside of buffer {index}")));
         }
-        let bytes = self.read[index].as_ref().map_err(|why| Unread::Missing(why.clone()))?;
+        let bytes = self.read[index].as_ref().map_err(|why| SceneError::Missing(why.clone()))?;
         Ok(&bytes[start as usize..end as usize])
     }
 
     /// The bytes of a buffer view.
-    pub(super) fn view(&self, index: usize) -> Result<&[u8], Unread> {
+    pub(super) fn view(&self, index: usize) -> Result<&[u8], SceneError> {
         let place = format!("/bufferViews/{index}");
         let view = self.document.buffer_views.get(index);
         let view = view.ok_or_else(|| SceneError::fault(&place, "there is no such buffer view"))?;
         match (self.decoded.get(&index), view.extensions.keys().find(|name| name.ends_with(MESHOPT))) {
             (Some(bytes), _) => Ok(bytes),
-            (None, Some(name)) => Err(Unread::Missing(format!("its bytes by {name} are missing or too many"))),
+            (None, Some(name)) => Err(SceneError::Missing(format!("its bytes by {name} are missing or too many"))),
             (None, None) => self.bytes(&place, view.buffer, [view.byte_offset, view.byte_length]),
         }
     }
 
     /// The elements of an accessor of `N` numbers each. Normalized integers are scaled.
-    pub(super) fn numbers<const N: usize>(&self, index: usize) -> Result<Vec<[f32; N]>, Unread> {
+    pub(super) fn numbers<const N: usize>(&self, index: usize) -> Result<Vec<[f32; N]>, SceneError> {
         let accessor = &self.document.accessors[index];
         self.elements::<N, _>(index, [0.0; N], |bytes| {
             let size = bytes.len() / N;
@@ -117,7 +115,7 @@ impl<'a> Buffers<'a> {
     }
 
     /// The indices of an accessor.
-    pub(super) fn indices(&self, index: usize) -> Result<Vec<u32>, Unread> {
+    pub(super) fn indices(&self, index: usize) -> Result<Vec<u32>, SceneError> {
         self.elements::<1, _>(index, 0, whole)
     }
 
@@ -127,8 +125,8 @@ impl<'a> Buffers<'a> {
         index: usize,
         zero: T,
         read: impl Fn(&[u8]) -> T + Sync,
-    ) -> Result<Vec<T>, Unread> {
-        let fault = |detail: String| Err(SceneError::fault(format!("/accessors/{index}"), detail).into());
+    ) -> Result<Vec<T>, SceneError> {
+        let fault = |detail: String| Err(SceneError::fault(format!("/accessors/{index}"), detail));
         let accessor = &self.document.accessors[index];
         let Some(Sparse { count, indices, values }) = accessor.sparse.as_deref() else {
             return self.stored::<N, _>(index, accessor, &read);
@@ -165,8 +163,8 @@ impl<'a> Buffers<'a> {
         index: usize,
         accessor: &Accessor,
         read: &(impl Fn(&[u8]) -> T + Sync),
-    ) -> Result<Vec<T>, Unread> {
-        let fault = |detail: String| Err(SceneError::fault(format!("/accessors/{index}"), detail).into());
+    ) -> Result<Vec<T>, SceneError> {
+        let fault = |detail: String| Err(SceneError::fault(format!("/accessors/{index}"), detail));
         let size = match accessor.component_type {
             5120 | 5121 => N,
             5122 | 5123 => 2 * N,
@@ -178,7 +176,8 @@ impl<'a> Buffers<'a> {
             return fault(format!("type \"{}\" where {N} numbers are needed", accessor.shape));
         }
         SceneError::above(format!("/accessors/{index}/count"), accessor.count, MOST_ELEMENTS)?;
-        let view = accessor.buffer_view.ok_or_else(|| Unread::Missing(format!("accessor {index} has no numbers")))?;
+        let view =
+            accessor.buffer_view.ok_or_else(|| SceneError::Missing(format!("accessor {index} has no numbers")))?;
         let bytes = self.view(view)?;
         let stride = self.document.buffer_views[view].byte_stride.unwrap_or(size as u64);
         if stride < size as u64 || stride > 255 {

@@ -8,7 +8,7 @@ use std::{
 
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 
-use super::error::{SceneError, Unread, shown};
+use super::error::{SceneError, shown};
 use ltcforge_files::bounded::read_file;
 
 /// Maximum bytes of a scene's file and all files that it names, together.
@@ -52,8 +52,8 @@ impl Container {
     }
 
     /// The bytes of a URI: data, or a file in the scene's folder.
-    pub(super) fn named(&mut self, pointer: &str, uri: &str) -> Result<Vec<u8>, Unread> {
-        let fault = |detail: String| Unread::Fault(SceneError::fault(pointer, detail));
+    pub(super) fn named(&mut self, pointer: &str, uri: &str) -> Result<Vec<u8>, SceneError> {
+        let fault = |detail: String| SceneError::fault(pointer, detail);
         if let Some(data) = uri.strip_prefix("data:") {
             let data = data.split_once(',').filter(|(kind, _)| kind.ends_with(";base64"));
             let (_, data) = data.ok_or_else(|| fault("a data URI must have base64 data".to_owned()))?;
@@ -62,7 +62,7 @@ impl Container {
         let Some(name) = decoded(uri).filter(|name| is_below(name)) else {
             return Err(fault(format!("\"{}\" is not a relative path within the scene's folder", shown(uri))));
         };
-        let missing = |why: &str| Unread::Missing(format!("{name} {why}"));
+        let missing = |why: &str| SceneError::Missing(format!("{name} {why}"));
         let folder = self.folder.as_ref().ok_or_else(|| missing("is another file, and only one file was sent"))?;
         let path = folder.join(&name).canonicalize().map_err(|_| missing("does not exist"))?;
         if !path.starts_with(folder) {
@@ -135,15 +135,15 @@ mod tests {
         let mut container = Container::of_bytes(b"{}".to_vec(), Some(inside.clone())).expect("a container");
         let mut named = |uri: &str| container.named("/buffers/0/uri", uri);
         assert_eq!(named("a%20b.bin").expect("inside"), b"mine");
-        assert!(matches!(named("c.bin"), Err(Unread::Missing(_))));
+        assert!(matches!(named("c.bin"), Err(SceneError::Missing(_))));
         for out in ["../secret.bin", "%2e%2e/secret.bin", "/etc/passwd", "file:///etc/passwd", "a/../../secret.bin", ""]
         {
-            assert!(matches!(named(out), Err(Unread::Fault(_))), "{out}");
+            assert!(matches!(named(out), Err(SceneError::Faults(_))), "{out}");
         }
         #[cfg(unix)]
         {
             std::os::unix::fs::symlink("../secret.bin", inside.join("link.bin")).expect("a link");
-            assert!(matches!(named("link.bin"), Err(Unread::Fault(_))));
+            assert!(matches!(named("link.bin"), Err(SceneError::Faults(_))));
         }
     }
 

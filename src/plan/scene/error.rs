@@ -12,19 +12,12 @@ pub enum SceneError {
     /// The scene's own file cannot be read.
     #[error(transparent)]
     Open(std::io::Error),
-    /// The scene exceeds a limit.
-    #[error("{what}: {is}; at most {most} are allowed")]
-    TooMuch {
-        /// The counted items.
-        what: String,
-        /// The number of items.
-        is: u64,
-        /// The maximum number of items.
-        most: u64,
-    },
-    /// The document is invalid. The error lists the first faults.
+    /// The document is invalid or exceeds a limit. The error lists the first faults.
     #[error("{}", list(.0))]
     Faults(Vec<Fault>),
+    /// A part of the scene is missing, or its format is not supported. The scene is read without it.
+    #[error("{0}")]
+    Missing(String),
     /// The scene has nothing to plan for.
     #[error("the scene has no surface that a table could serve: it needs triangles of a material with GGX or sheen")]
     Empty,
@@ -54,32 +47,16 @@ impl SceneError {
 
     /// An error if `is` is above `most`.
     pub(super) fn above(what: impl Into<String>, is: u64, most: u64) -> Result<(), Self> {
-        if is > most { Err(Self::TooMuch { what: what.into(), is, most }) } else { Ok(()) }
+        let what = what.into();
+        if is > most { Err(Self::fault("", format!("{what}: {is}; at most {most} are allowed"))) } else { Ok(()) }
     }
-}
 
-/// Why a part of a scene cannot be read.
-#[derive(Debug)]
-pub(super) enum Unread {
-    /// The part is missing, or its format is not supported. The scene is read without it.
-    Missing(String),
-    /// The whole scene is rejected.
-    Fault(SceneError),
-}
-
-impl From<SceneError> for Unread {
-    fn from(error: SceneError) -> Self {
-        Self::Fault(error)
-    }
-}
-
-impl Unread {
-    /// Separates missing parts from faults. The inner error says why the part is missing.
-    pub(super) fn split<T>(read: Result<T, Self>) -> Result<Result<T, String>, SceneError> {
+    /// Separates missing parts from other errors. The inner error says why the part is missing.
+    pub(super) fn split<T>(read: Result<T, Self>) -> Result<Result<T, String>, Self> {
         match read {
             Ok(part) => Ok(Ok(part)),
             Err(Self::Missing(why)) => Ok(Err(why)),
-            Err(Self::Fault(error)) => Err(error),
+            Err(other) => Err(other),
         }
     }
 }

@@ -4,12 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Vec3};
 
-use super::{
-    accessor::Buffers,
-    document::Accessor,
-    error::{SceneError, Unread},
-    graph::Part,
-};
+use super::{accessor::Buffers, document::Accessor, error::SceneError, graph::Part};
 
 /// Adds weighted vectors; missing vectors are zero.
 fn add(vectors: &mut [[f32; 3]], added: Option<Vec<[f32; 3]>>, weight: f64) {
@@ -31,10 +26,14 @@ pub(super) struct Geometry {
 impl Geometry {
     /// Reads a primitive in its pose with some sets of texture coordinates, and normals and tangents if `has_frames`.
     /// Points and lines have no triangles.
-    pub(super) fn read(buffers: &Buffers<'_>, part: &Part<'_>, sets: &[u32], has_frames: bool) -> Result<Self, Unread> {
+    pub(super) fn read(
+        buffers: &Buffers<'_>,
+        part: &Part<'_>,
+        sets: &[u32],
+        has_frames: bool,
+    ) -> Result<Self, SceneError> {
         let primitive = part.primitive;
-        let fault =
-            |field: &str, detail: String| Err(SceneError::fault(format!("{}/{field}", part.place()), detail).into());
+        let fault = |field: &str, detail: String| Err(SceneError::fault(format!("{}/{field}", part.place()), detail));
         let mode = primitive.mode.unwrap_or(4);
         if mode > 6 {
             return fault("mode", format!("{mode} is not between 0 and 6"));
@@ -42,7 +41,7 @@ impl Geometry {
         let attribute = |name: &str| primitive.attributes.get(name).copied();
         let Some(positions) = attribute("POSITION").filter(|_| mode >= 4) else { return Ok(Self::default()) };
         if let Some(name) = primitive.extensions.keys().find(|name| name.ends_with("_draco_mesh_compression")) {
-            return Err(Unread::Missing(format!("it is compressed by {name}")));
+            return Err(SceneError::Missing(format!("it is compressed by {name}")));
         }
         let positions = buffers.numbers::<3>(positions)?;
         let corners = positions.len();
@@ -60,7 +59,7 @@ impl Geometry {
         for set in sets {
             let name = format!("TEXCOORD_{set}");
             let index = attribute(&name);
-            let index = index.ok_or_else(|| Unread::Missing(format!("it has no {name}, which a texture needs")))?;
+            let index = index.ok_or_else(|| SceneError::Missing(format!("it has no {name}, which a texture needs")))?;
             uv.insert(*set, buffers.numbers::<2>(index)?);
         }
         let of_frames = normals.iter().map(Vec::len).chain(tangents.iter().map(Vec::len));
@@ -81,7 +80,7 @@ impl Geometry {
             }
         }
         if !part.joints.is_empty() {
-            let of = |name: &str| attribute(name).ok_or_else(|| Unread::Missing(format!("its skin needs {name}")));
+            let of = |name: &str| attribute(name).ok_or_else(|| SceneError::Missing(format!("its skin needs {name}")));
             let (joints, weights) = (of("JOINTS_0")?, of("WEIGHTS_0")?);
             geometry.bend(part.joints, &buffers.numbers::<4>(joints)?, &buffers.numbers::<4>(weights)?);
         }

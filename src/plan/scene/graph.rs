@@ -8,7 +8,7 @@ use super::{
     accessor::Buffers,
     camera::Placed,
     document::{Document, Instancing, Node, Primitive},
-    error::{SceneError, Unread, out_of_range},
+    error::{SceneError, out_of_range},
     extensions::{EXT_LIGHTS_AREA, extension},
 };
 
@@ -60,7 +60,7 @@ impl Graph {
             if let Some(mesh) = node.mesh {
                 let skin = node.skin.filter(|skin| !document.skins[*skin].joints.is_empty());
                 let posed = Posed { mesh, skin, node: (!node.weights.is_empty()).then_some(index) };
-                let mut all = match Unread::split(instanced(buffers, document, index, &mut instances))? {
+                let mut all = match SceneError::split(instanced(buffers, document, index, &mut instances))? {
                     Ok(all) => all,
                     Err(why) => {
                         graph.notes.push(format!("node {index}: {why}; its mesh counts as one instance"));
@@ -135,7 +135,7 @@ fn joints(
 ) -> Result<Vec<DMat4>, SceneError> {
     let skin = &document.skins[index];
     let bound = skin.inverse_bind_matrices.map(|accessor| buffers.numbers::<16>(accessor));
-    let bound = Unread::split(bound.transpose())?.unwrap_or_else(|why| {
+    let bound = SceneError::split(bound.transpose())?.unwrap_or_else(|why| {
         notes.push(format!("skin {index}: {why}; its joints are at their bind pose"));
         None
     });
@@ -154,7 +154,7 @@ fn instanced(
     document: &Document,
     index: usize,
     instances: &mut u64,
-) -> Result<Vec<DMat4>, Unread> {
+) -> Result<Vec<DMat4>, SceneError> {
     const NAME: &str = "EXT_mesh_gpu_instancing";
     let place = format!("/nodes/{index}");
     let Instancing { attributes } = extension(&place, &document.nodes[index].extensions, NAME)?;
@@ -162,7 +162,7 @@ fn instanced(
     let Some(first) = of("TRANSLATION").or(of("ROTATION")).or(of("SCALE")) else { return Ok(vec![DMat4::IDENTITY]) };
     if let Some(accessor) = attributes.values().find(|accessor| **accessor >= document.accessors.len()) {
         let detail = out_of_range(*accessor, "accessors", &document.accessors);
-        return Err(SceneError::fault(format!("{place}/extensions/{NAME}/attributes"), detail).into());
+        return Err(SceneError::fault(format!("{place}/extensions/{NAME}/attributes"), detail));
     }
     let count = document.accessors[first].count;
     *instances = instances.saturating_add(count);
@@ -177,7 +177,7 @@ fn instanced(
     };
     let all: Vec<DMat4> = (0..count as usize).map(one).collect();
     let is_finite = all.iter().all(DMat4::is_finite);
-    if is_finite { Ok(all) } else { Err(SceneError::fault(place, "an instance's transform is not finite").into()) }
+    if is_finite { Ok(all) } else { Err(SceneError::fault(place, "an instance's transform is not finite")) }
 }
 
 fn roots(document: &Document) -> Result<Vec<usize>, SceneError> {

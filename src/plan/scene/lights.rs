@@ -5,7 +5,7 @@ use glam::{DMat4, DVec3};
 use super::{
     accessor::Buffers,
     document::{AreaLight, AreaLights, Document, Emission, Material},
-    error::{Faults, SceneError, Unread, named, shown},
+    error::{Faults, SceneError, named, shown},
     extensions::{EXT_LIGHTS_AREA, extension},
     geometry::Geometry,
     graph::Graph,
@@ -196,7 +196,7 @@ fn emissive(
             () if material.emissive_texture.is_some() => Err("its emission has a texture".to_owned()),
             () if is_large => Err(format!("it has more than {MOST_VERTICES} vertices or indices")),
             () if lights.len() + part.worlds.len() > MOST_COMPARED => Err("there are too many lights".to_owned()),
-            () => Unread::split(Geometry::read(buffers, &part, &[], false))?,
+            () => SceneError::split(Geometry::read(buffers, &part, &[], false))?,
         };
         let sides = if material.double_sided { Sides::Two } else { Sides::One };
         let placed = |geometry: &Geometry, world: &DMat4| -> Vec<PlacedLight> {

@@ -2,7 +2,7 @@
 
 use super::{
     document::{AlphaMode, Anisotropy, Clearcoat, Ior, Material, Sheen, Specular, TextureInfo},
-    error::{Faults, SceneError, Unread, named},
+    error::{Faults, SceneError, named},
     extensions::{extension, is_ggx, uncovered},
     specification::Specification,
     texture::{Sampled, linear},
@@ -142,9 +142,9 @@ impl Shaded {
             let Some(info) = info else { continue };
             let read = match &mut textures {
                 Some(textures) => textures.read(&place, info, channels),
-                None => Err(Unread::Missing("a list has no textures".to_owned())),
+                None => Err(SceneError::Missing("a list has no textures".to_owned())),
             };
-            match Unread::split(read)? {
+            match SceneError::split(read)? {
                 Ok(texture) => *map = Some(texture),
                 Err(why) => missing.push(format!("the texture of its {what} is ignored; its factor is used: {why}")),
             }

@@ -6,7 +6,7 @@ use super::{
     accessor::Buffers,
     container::{Container, MOST_BYTES},
     document::{Document, TextureInfo, TextureTransform, WebpTexture},
-    error::{SceneError, Unread, out_of_range},
+    error::{SceneError, out_of_range},
     extensions::extension,
     image::{Pixels, decode},
     texture::Sampled,
@@ -51,18 +51,18 @@ impl<'a> Textures<'a> {
         place: &str,
         info: &TextureInfo,
         channels: &'static [usize],
-    ) -> Result<Sampled, Unread> {
+    ) -> Result<Sampled, SceneError> {
         let (index, textures) = (info.index, &self.document.textures);
         let texture = textures.get(index);
         let texture = texture.ok_or_else(|| SceneError::fault(place, out_of_range(index, "textures", textures)))?;
         let webp: WebpTexture = extension(&format!("/textures/{index}"), &texture.extensions, "EXT_texture_webp")?;
         let image = webp.source.or(texture.source).ok_or_else(|| {
             let kind = texture.extensions.keys().next().map_or("without an image", |name| name.as_str());
-            Unread::Missing(format!("texture {index} is {kind}"))
+            SceneError::Missing(format!("texture {index} is {kind}"))
         })?;
         let kept = match self.kept.get(&(image, channels)) {
             Some(kept) => kept.clone(),
-            None => Unread::split(self.decoded(image, channels))?,
+            None => SceneError::split(self.decoded(image, channels))?,
         };
         // A missing image is kept too: a thousand materials may name it.
         self.kept.insert((image, channels), kept.clone());
@@ -71,7 +71,7 @@ impl<'a> Textures<'a> {
         let ([u, v], [x, y]) = (change.offset, change.scale.unwrap_or([1.0; 2]));
         let [sin, cos] = <[f64; 2]>::from(sin_cos(change.rotation));
         Ok(Sampled {
-            pixels: kept.map_err(Unread::Missing)?,
+            pixels: kept.map_err(SceneError::Missing)?,
             wrap: sampler.map_or([None; 2], |sampler| [sampler.wrap_s, sampler.wrap_t]),
             set: change.tex_coord.unwrap_or(info.tex_coord),
             transform: [[cos * x, sin * y, u], [-sin * x, cos * y, v]],
@@ -79,7 +79,7 @@ impl<'a> Textures<'a> {
     }
 
     /// The channels of an image.
-    fn decoded(&mut self, image: usize, wanted: &'static [usize]) -> Result<Arc<Pixels>, Unread> {
+    fn decoded(&mut self, image: usize, wanted: &'static [usize]) -> Result<Arc<Pixels>, SceneError> {
         SceneError::unless(self.go_on)?;
         let bytes = self.image(image)?;
         self.bytes += bytes.len() as u64;
@@ -90,18 +90,18 @@ impl<'a> Textures<'a> {
             self.pixels += pixels;
             SceneError::above("pixels of all textures", self.pixels, self.most[1])
         })?;
-        Ok(Arc::new(decoded.ok_or_else(|| Unread::Missing(format!("image {image} is not PNG, JPEG or WebP")))?))
+        Ok(Arc::new(decoded.ok_or_else(|| SceneError::Missing(format!("image {image} is not PNG, JPEG or WebP")))?))
     }
 
     /// The bytes of an image.
-    fn image(&mut self, index: usize) -> Result<Vec<u8>, Unread> {
+    fn image(&mut self, index: usize) -> Result<Vec<u8>, SceneError> {
         let images = &self.document.images;
         let image = images.get(index);
         let image = image.ok_or_else(|| SceneError::fault("/textures", out_of_range(index, "images", images)))?;
         match (&image.uri, image.buffer_view) {
             (Some(uri), _) => self.container.named(&format!("/images/{index}/uri"), uri),
             (None, Some(view)) => Ok(self.buffers.view(view)?.to_vec()),
-            (None, None) => Err(Unread::Missing(format!("image {index} has no bytes"))),
+            (None, None) => Err(SceneError::Missing(format!("image {index} has no bytes"))),
         }
     }
 }
