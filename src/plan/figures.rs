@@ -4,7 +4,6 @@
 use serde::Serialize;
 
 use crate::{
-    histogram::span,
     lobes::Lobes,
     needs::Needs,
     prediction::Prediction,
@@ -20,8 +19,6 @@ const EACH: usize = 128;
 const ALL: [usize; 2] = [512, 8192];
 /// A change helps if it removes this part of the error.
 const HELPS: f64 = 0.2;
-/// A range is wider than another by at least this.
-const WIDER: f64 = 1e-3;
 
 /// A change that brings the light of a material nearer to the truth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -35,10 +32,6 @@ pub enum Help {
     Views,
     /// A second set of lobes: for dielectrics next to metal, or for metal next to dielectrics.
     SecondSet,
-    /// A table that includes the roughness of the material.
-    WiderRoughness,
-    /// A table that includes the views of the material.
-    WiderViews,
 }
 
 impl Help {
@@ -50,8 +43,6 @@ impl Help {
             Self::Roughness => "more nodes near this roughness",
             Self::Views => "more nodes for views",
             Self::SecondSet => "a second set, so that metal and plastic have one each",
-            Self::WiderRoughness => "a table that includes this roughness",
-            Self::WiderViews => "a table that includes these views",
         }
     }
 }
@@ -108,16 +99,19 @@ pub(crate) fn figures(
     light: &[Option<Vec<f64>>; 3],
 ) -> Vec<Figure> {
     let errors = probes.errors_as(table, fresnel, Closeness::Report);
-    let figure = |(lobe, ((material, of), share)): (usize, (&(usize, &SceneLobe), f64))| Figure {
-        material: *material,
-        kind: of.kind,
-        share,
-        error: probes.mean_of(&errors, lobe),
-        light: light.each_ref().map(|errors| Some(probes.mean_of(errors.as_ref()?, lobe))),
-        is_lit: probes.reaches(lobe),
-        helps: Vec::new(),
+    let figure = |((material, lobe), share): (&(usize, &SceneLobe), f64)| {
+        let of = (*material, lobe.kind);
+        Figure {
+            material: *material,
+            kind: lobe.kind,
+            share,
+            error: probes.mean_of(&errors, of),
+            light: light.each_ref().map(|errors| Some(probes.mean_of(errors.as_ref()?, of))),
+            is_lit: probes.reaches(of),
+            helps: Vec::new(),
+        }
     };
-    needs.lobes.iter().zip(needs.shares()).enumerate().map(figure).collect()
+    needs.lobes.iter().zip(needs.shares()).map(figure).collect()
 }
 
 /// Adds the changes that help each lobe, for the table of a recipe. `prediction` has the finer tables to compare with.
@@ -129,8 +123,9 @@ pub(crate) fn add_helps(figures: &mut [Figure], probes: &Probes, prediction: Opt
     let read = prediction.map(|prediction| [0..4, 2..4, 0..2].map(|axes| errors(prediction, axes)));
     let choices = prediction.map_or(&[][..], |prediction| &prediction.lobes);
     let own = choices.iter().find(|choice| choice.fresnel == *recipe.brdf.fresnel());
-    for (lobe, figure) in figures.iter_mut().enumerate().filter(|(_, figure)| figure.is_lit) {
-        let mean = |errors: &Vec<f64>| probes.mean_of(errors, lobe);
+    for figure in figures.iter_mut().filter(|figure| figure.is_lit) {
+        let of = (figure.material, figure.kind);
+        let mean = |errors: &Vec<f64>| probes.mean_of(errors, of);
         figure
             .helps
             .extend(figure.light[2].filter(|form| *form <= FAR_NEARER * figure.shown()).map(|_| Help::ClosedForm));
@@ -153,23 +148,6 @@ pub fn check(scene: &Scene, table: &Table) -> Option<Vec<Figure>> {
     let needs = Needs::of(scene, table.brdf() != BrdfKind::Ggx)?;
     let probes = Probes::new(&needs, (EACH * needs.lobes.len()).clamp(ALL[0], ALL[1]));
     let mut figures = figures(&needs, &probes, (table, table.model().fresnel()), &[None, None, None]);
-    let materials: Vec<[f64; 2]> = table.materials().collect();
-    let is_listed = |pair: [f64; 2]| materials.iter().any(|own| (0..2).all(|i| (own[i] - pair[i]).abs() < WIDER));
-    let has = |nodes: &[f64], [low, high]: [f64; 2]| {
-        let [least, most] = span(nodes.iter().copied());
-        low >= least - WIDER && high <= most + WIDER
-    };
-    for (figure, (_, lobe)) in figures.iter_mut().zip(&needs.lobes) {
-        let nodes = table.axes();
-        let roughness = [0, 1].map(|axis| span(lobe.spots.iter().map(|spot| spot.pair()[axis])));
-        let is_within = if materials.is_empty() {
-            has(&nodes.alpha, roughness[0]) && has(&nodes.ratio, roughness[1])
-        } else {
-            lobe.spots.iter().all(|spot| is_listed(spot.pair()))
-        };
-        figure.helps.extend((!is_within).then_some(Help::WiderRoughness));
-        figure.helps.extend((!has(&nodes.theta, lobe.views.theta)).then_some(Help::WiderViews));
-    }
     figures.sort_by(|a, b| b.error.total_cmp(&a.error));
     Some(figures)
 }

@@ -130,7 +130,7 @@ fn errors_under_own_lights_are_as_predicted_and_not_above_the_default_table_s() 
         let (last, whole) = (plan.measured().expect("the last").error, plan.whole.error.expect("it was measured"));
         let (off_by, bytes) = (measured / predicted, plan.chosen.bytes);
         let line = format!("{name}: {last:.6}, off by {off_by:.3}, {bytes} bytes; default {whole:.6}");
-        println!("{line} {} points, {:?}, {:?}", scene.points.len(), plan.worst_light, plan.light);
+        println!("{line} {} points, {:?}, {:?}", scene.places.len(), plan.worst_light, plan.light);
         if !(0.85..1.15).contains(&off_by) || last > ROUNDED * whole || bytes > BYTES {
             wrong.push(line);
         }

@@ -9,8 +9,9 @@ use std::ops::ControlFlow;
 use rayon::prelude::*;
 
 use crate::{
-    needs::{Needs, Place},
+    needs::Needs,
     probes::{Probes, Stopped},
+    scene::Place,
 };
 use ltcforge_fit::{
     GoOn, Layout, LobeFresnel, LookedUp, PerAxis, Plan, Recipe, SecondLobe, StoredTerms, Table, WeightedF0, fit_plan,

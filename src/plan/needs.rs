@@ -6,10 +6,9 @@ use glam::DVec3;
 
 use crate::{
     histogram::{LEAST_METAL, Spot, pick, span},
-    scene::{LobeKind, Scene, SceneLobe, ScenePoint},
+    scene::{LobeKind, Place, Scene, SceneLobe},
 };
 use ltcforge_fit::{BrdfKind, Configuration, MOST_MATERIALS, PerAxis, WeightedF0, math::recurrence4};
-use ltcforge_light::AnyLight;
 
 /// The start of the sequence of configurations.
 const SHIFT: [f64; 4] = [0.5, 0.236_067_977_499_79, 0.732_050_807_568_877, 0.645_751_311_064_59];
@@ -28,21 +27,6 @@ pub struct Needs<'a> {
     pub(crate) brdf: BrdfKind,
     /// The ranges of all lobes.
     pub(crate) range: PerAxis<[f64; 2]>,
-}
-
-/// A configuration of a scene, and the material there.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Place {
-    /// The index of the lobe in [`Needs::lobes`].
-    pub(crate) lobe: usize,
-    /// The part of the surface that the place stands for.
-    pub(crate) weight: f64,
-    /// Roughnesses and view.
-    pub(crate) at: Configuration,
-    /// Reflectance at normal and at grazing incidence.
-    pub(crate) fresnel: [f64; 2],
-    /// The lights of the scene by their index.
-    pub(crate) lights: Vec<(usize, AnyLight)>,
 }
 
 impl Place {
@@ -119,7 +103,7 @@ impl<'a> Needs<'a> {
         let drawn = |i: usize| {
             let [u, v, w, metal] = recurrence4(i, SHIFT);
             let (index, u) = pick(&drawn_at, u);
-            let lobe = self.lobes[index].1;
+            let (material, lobe) = self.lobes[index];
             let weights: Vec<f64> = lobe.spots.iter().map(|spot| spot.weight).collect();
             let spot = lobe.spots[pick(&weights, u).0];
             let [theta, phi] = lobe.views.draw(v, w);
@@ -133,24 +117,19 @@ impl<'a> Needs<'a> {
             let lights = self.scene.lights.iter().enumerate();
             let lights = lights.flat_map(|(index, light)| light.seen_from(index, DVec3::ZERO, DVec3::AXES));
             let weight = shares[index] / drawn_at[index] / count as f64;
-            Place { lobe: index, weight, at, fresnel: [f0 / f90, 1.0], lights: lights.collect() }
+            Place { of: (material, lobe.kind), weight, at, fresnel: [f0 / f90, 1.0], lights: lights.collect() }
         };
         (0..count).map(drawn).collect()
     }
 
-    /// The points of the surface that the scene's lights reach.
+    /// The places that the scene's lights reach.
     pub(crate) fn lit(&self) -> Vec<Place> {
-        let total: f64 = self.scene.points.iter().map(|point| point.weight).sum();
-        let place = |point: &ScenePoint| {
-            let is_own = |(material, lobe): &(usize, &SceneLobe)| (*material, lobe.kind) == point.of;
-            let lobe = self.lobes.iter().position(is_own)?;
-            let (weight, lights) = (point.weight / total, point.lights.clone());
-            Some(Place { lobe, weight, at: point.at, fresnel: point.fresnel, lights })
-        };
         // Materials alternate, so that the first places are from all of them.
-        let mut order: Vec<usize> = (0..self.scene.points.len()).collect();
+        let mut order: Vec<usize> = (0..self.scene.places.len()).collect();
         order.sort_by_key(|index| (*index as u32).reverse_bits());
-        order.into_iter().filter_map(|index| place(&self.scene.points[index])).collect()
+        let places = order.into_iter().map(|index| &self.scene.places[index]);
+        let is_own = |place: &&Place| self.lobes.iter().any(|(material, lobe)| (*material, lobe.kind) == place.of);
+        places.filter(is_own).cloned().collect()
     }
 }
 

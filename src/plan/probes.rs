@@ -4,8 +4,8 @@ use std::sync::OnceLock;
 
 use crate::{
     histogram::LEAST_METAL,
-    needs::{Needs, Place},
-    scene::SceneLight,
+    needs::Needs,
+    scene::{LobeKind, Place, SceneLight},
 };
 use ltcforge_fit::{
     BrdfModel, Closeness, LobeFresnel, LobeModel, LookedUp, SampledLobes, Table, WeightedF0, brdf::LobeTerms, terms_of,
@@ -101,11 +101,11 @@ impl Probes {
         self.errors_of(LobeModel::Ltc, &blended.collect::<Vec<_>>(), Closeness::Report)
     }
 
-    /// Whether light of the scene, or of random rectangles, is reflected at a place of the lobe.
-    pub(crate) fn reaches(&self, lobe: usize) -> bool {
-        let truth = self.lit().filter(|_| self.are_lit()).map_or(&[][..], |lit| lit.truth());
+    /// Whether light is reflected at a place of the lobe. Light comes from everywhere if the scene has no lights.
+    pub(crate) fn reaches(&self, of: (usize, LobeKind)) -> bool {
+        let truth = self.lit().map_or(&[][..], |lit| lit.truth());
         let mut lit = self.places.iter().zip(truth);
-        !self.are_lit() || lit.any(|(place, truth)| place.lobe == lobe && truth.iter().any(|light| *light > 0.0))
+        !self.are_lit() || lit.any(|(place, truth)| place.of == of && truth.iter().any(|light| *light > 0.0))
     }
 
     /// How many times the light of lobes is farther than `stock` from dielectrics or from metal, at least 1. Each lobe
@@ -158,8 +158,8 @@ impl Probes {
     }
 
     /// Weighted mean of the errors at the places of a lobe; 0 without a place.
-    pub(crate) fn mean_of(&self, errors: &[f64], lobe: usize) -> f64 {
-        self.mean_where(errors, |place| place.lobe == lobe)
+    pub(crate) fn mean_of(&self, errors: &[f64], of: (usize, LobeKind)) -> f64 {
+        self.mean_where(errors, |place| place.of == of)
     }
 
     fn mean_where(&self, errors: &[f64], is_wanted: impl Fn(&Place) -> bool) -> f64 {

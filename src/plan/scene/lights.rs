@@ -9,9 +9,9 @@ use super::{
     extensions::{EXT_LIGHTS_AREA, extension},
     geometry::Geometry,
     graph::Graph,
-    material::{LobeKind, luminance},
+    material::luminance,
 };
-use ltcforge_fit::{Configuration, GoOn, Sides};
+use ltcforge_fit::{GoOn, Sides};
 use ltcforge_light::{AnyLight, LightShape, PlacedLight};
 
 /// Maximum number of polygons and disks of all lights, and of vertices of a mesh that is a light.
@@ -58,20 +58,6 @@ impl SceneLight {
     }
 }
 
-/// A point of a scene's surface with one of its lobes, as it is seen and lit.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct ScenePoint {
-    /// The index of the material, and the kind of the lobe.
-    pub(crate) of: (usize, LobeKind),
-    /// The area that the point stands for, times the part of it that has the lobe.
-    pub(crate) weight: f64,
-    pub(crate) at: Configuration,
-    /// Reflectance at normal and at grazing incidence, by the specification.
-    pub(crate) fresnel: [f64; 2],
-    /// The shapes of lights that reach the point, each with the index of its light.
-    pub(crate) lights: Vec<(usize, AnyLight)>,
-}
-
 /// The area lights of a document, and notes about lights that are not read.
 pub(super) fn read(
     document: &Document,
@@ -89,7 +75,7 @@ pub(super) fn read(
             || SceneError::fault(format!("{place}/extensions/{EXT_LIGHTS_AREA}/light"), "there is no such light");
         let index = light.filter(|light| *light < listed.len()).ok_or_else(missing)?;
         let name = named(listed[index].name.as_deref(), || format!("light {index}"));
-        match area_light(&listed[index], index, world)? {
+        match SceneError::split(area_light(&listed[index], index, world))? {
             Ok((shape, rgb)) => lights.push(SceneLight::new(name, vec![shape], rgb)),
             Err(why) => notes.push(format!("{name}: {why}")),
         }
@@ -100,30 +86,20 @@ pub(super) fn read(
             .push("KHR_lights_punctual: point, spot and directional lights are not read: they have no area".to_owned());
     }
     lights.retain(|light| light.radiance > 0.0);
-    let shapes = |lights: &[SceneLight]| lights.iter().map(|light| light.shapes.len()).sum::<usize>();
-    if shapes(&lights) > MOST_SHAPES {
-        // The brightest lights stay.
-        lights.sort_by(|a, b| b.radiance.total_cmp(&a.radiance));
-        let (all, mut left) = (lights.len(), MOST_SHAPES);
-        lights.retain(|light| {
-            light.shapes.len() <= left && {
-                left -= light.shapes.len();
-                true
-            }
-        });
-        let ignored = all - lights.len();
+    // The brightest lights stay.
+    lights.sort_by(|a, b| b.radiance.total_cmp(&a.radiance));
+    let (all, mut left) = (lights.len(), MOST_SHAPES);
+    lights.retain(|light| left.checked_sub(light.shapes.len()).map(|rest| left = rest).is_some());
+    let ignored = all - lights.len();
+    if ignored > 0 {
         notes.push(format!("lights that are ignored: {ignored}; all lights may have {MOST_SHAPES} polygons and disks"));
     }
     notes.truncate(MOST_NOTES);
     Ok((lights, notes))
 }
 
-/// A light of `EXT_lights_area` with its radiance, or why it is not read. It shines along -Z.
-fn area_light(
-    light: &AreaLight,
-    index: usize,
-    world: &DMat4,
-) -> Result<Result<(PlacedLight, [f64; 3]), String>, SceneError> {
+/// A light of `EXT_lights_area` with its radiance. It shines along -Z.
+fn area_light(light: &AreaLight, index: usize, world: &DMat4) -> Result<(PlacedLight, [f64; 3]), SceneError> {
     let (size, aspect, intensity) =
         (light.size.unwrap_or(1.0), light.rect.aspect.unwrap_or(1.0), light.intensity.unwrap_or(1.0));
     let color = light.color.unwrap_or([1.0; 3]);
@@ -143,17 +119,18 @@ fn area_light(
             let [u, v] = [y, 0.5 * size * DVec3::X].map(|axis| world.transform_vector3(axis));
             (LightShape::Disk, vec![world.w_axis.truncate(), u, v])
         }
-        _ => return Ok(Err(format!("a light of type {} is not read", shown(&light.kind)))),
+        _ => return Err(SceneError::Missing(format!("a light of type {} is not read", shown(&light.kind)))),
     };
     if world.determinant() < 0.0 {
         let first = usize::from(shape == LightShape::Disk);
         points[first..].reverse();
     }
     let placed = PlacedLight { shape, sides: Sides::One, points, length: 0.0 };
-    Ok(if is_near(&placed) { Ok((placed, color.map(|part| intensity * part))) } else { Err(FAR.to_owned()) })
+    if !is_near(&placed) {
+        return Err(SceneError::Missing("a light with a coordinate above 1e9 is not read".to_owned()));
+    }
+    Ok((placed, color.map(|part| intensity * part)))
 }
-
-const FAR: &str = "a light with a coordinate above 1e9 is not read";
 
 /// Whether all coordinates of a light are within [`MOST`].
 fn is_near(light: &PlacedLight) -> bool {

@@ -35,8 +35,8 @@ use ltcforge_fit::GoOn;
 
 pub use error::SceneError;
 pub use lights::SceneLight;
-pub(crate) use lights::ScenePoint;
 pub use material::LobeKind;
+pub(crate) use model::Place;
 pub use model::{Scene, SceneLobe, SceneMaterial};
 
 impl Scene {
@@ -88,20 +88,11 @@ impl Scene {
 fn ignored(document: &Document) -> Vec<String> {
     let required = unknown(document.extensions_required.iter());
     let required = required.map(|name| format!("the scene requires {}, which is ignored", shown(name)));
-    let mut notes: Vec<String> = required.collect();
-    for (is_ignored, note) in [
-        (
-            document.extensions_used.iter().any(|name| name == "KHR_materials_variants"),
-            "variants of materials are ignored: each surface has its default material",
-        ),
-        (
-            !document.animations.is_empty(),
-            "animations are ignored: meshes, cameras and materials are used in their rest pose",
-        ),
-    ] {
-        notes.extend(is_ignored.then(|| note.to_owned()));
-    }
-    notes
+    let has_variants = document.extensions_used.iter().any(|name| name == "KHR_materials_variants");
+    let variants = "variants of materials are ignored: each surface has its default material";
+    let animations = "animations are ignored: meshes, cameras and materials are used in their rest pose";
+    let others = [(has_variants, variants), (!document.animations.is_empty(), animations)];
+    required.chain(others.into_iter().filter(|(is_ignored, _)| *is_ignored).map(|(_, note)| note.to_owned())).collect()
 }
 
 /// The document's materials, and the default material last. A material that no primitive in the scene uses is `None`.

@@ -1,11 +1,9 @@
 //! The parts of a scene that decide which tables it needs.
 
-use super::{
-    error::SceneError,
-    lights::{SceneLight, ScenePoint},
-    material::LobeKind,
-};
+use super::{error::SceneError, lights::SceneLight, material::LobeKind};
 use crate::histogram::{Spot, Views};
+use ltcforge_fit::Configuration;
+use ltcforge_light::AnyLight;
 
 /// A lobe of a material, over all of the surface that has this lobe.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,6 +48,21 @@ pub struct SceneMaterial {
     pub uncovered: Vec<String>,
 }
 
+/// A configuration of a scene, and the material there.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Place {
+    /// The index of the material, and the kind of the lobe.
+    pub(crate) of: (usize, LobeKind),
+    /// The area that the place stands for, times the part of it that has the lobe. Only ratios of weights count.
+    pub(crate) weight: f64,
+    /// Roughnesses and view.
+    pub(crate) at: Configuration,
+    /// Reflectance at normal and at grazing incidence, by the specification.
+    pub(crate) fresnel: [f64; 2],
+    /// The shapes of lights that reach the place, each with the index of its light.
+    pub(crate) lights: Vec<(usize, AnyLight)>,
+}
+
 /// The parts of a scene that a plan needs.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Scene {
@@ -63,8 +76,8 @@ pub struct Scene {
     pub notes: Vec<String>,
     /// The area lights; without a light, light comes from everywhere.
     pub lights: Vec<SceneLight>,
-    /// Points of the surface with their lights; empty without lights, and for a list of materials.
-    pub(crate) points: Vec<ScenePoint>,
+    /// Places on the surface with their lights; empty without lights, and for a list of materials.
+    pub(crate) places: Vec<Place>,
 }
 
 impl Scene {

@@ -14,9 +14,9 @@ use super::{
     gathered::Gathered,
     geometry::{Geometry, box_area},
     graph::Graph,
-    lights::{SceneLight, ScenePoint},
+    lights::SceneLight,
     material::{LobeKind, Shaded},
-    model::Scene,
+    model::{Place, Scene},
 };
 use crate::histogram::STEEPEST;
 use ltcforge_fit::{
@@ -120,7 +120,7 @@ pub(super) fn gather(
                         let expected = 0.5 * lit * share;
                         let count = (so_far + expected).floor() - so_far.floor();
                         so_far += expected;
-                        scene.points.extend(instance.lit(of, count as usize, (&reached, expected), &scene.lights));
+                        scene.places.extend(instance.lit(of, count as usize, (&reached, expected), &scene.lights));
                     }
                 }
             }
@@ -235,7 +235,7 @@ impl Instance<'_> {
         count: usize,
         (reached, expected): (&[f64], f64),
         lights: &[SceneLight],
-    ) -> Vec<ScenePoint> {
+    ) -> Vec<Place> {
         let (mut found, area) = (Vec::new(), all(reached));
         for number in (0..count).filter(|_| area > 0.0) {
             let Some((triangle, weights)) = spread(number, area / count as f64, reached) else { continue };
@@ -262,7 +262,7 @@ impl Instance<'_> {
                 let lights = lights.iter().enumerate();
                 // The formula of a base lobe includes its strength.
                 let strength = if lobe.kind == LobeKind::Base { 1.0 } else { lobe.weight };
-                found.push(ScenePoint {
+                found.push(Place {
                     of: (material, lobe.kind),
                     weight: area / expected * part * strength,
                     at: Configuration { alpha_x: lobe.alpha, alpha_y: lobe.alpha * lobe.ratio, theta, phi },

@@ -218,7 +218,7 @@ fn lights_that_are_not_read_are_named() {
     let read = |glb: &Glb| Scene::from_bytes(glb.bytes(), &|| true).expect("a scene");
     let scene = read(&lamp(|_, _| ()));
     assert_eq!((scene.lights.len(), scene.lights[0].shapes.len()), (1, 2));
-    assert!(scene.points.iter().any(|point| point.lights.len() == 2), "{:?}", scene.points.len());
+    assert!(scene.places.iter().any(|point| point.lights.len() == 2), "{:?}", scene.places.len());
     let bright = json!({ "KHR_materials_emissive_strength": { "emissiveStrength": 1e12 } });
     let noted = |glb: Glb, why: &str| {
         let scene = read(&glb);
@@ -266,7 +266,7 @@ fn area_lights_of_any_numbers_are_read_or_named() {
             let scene = with(json!({ "type": kind, "size": 1e-9 }), node.clone()).expect("a scene");
             let needs = crate::Needs::of(&scene, false).expect("lobes");
             let probes = crate::probes::Probes::new(&needs, 8);
-            assert!(probes.are_lit() && !probes.reaches(0), "{node} {kind}");
+            assert!(probes.are_lit() && !probes.reaches((0, LobeKind::Base)), "{node} {kind}");
         }
     }
     // Only the brightest of many lights are read.
