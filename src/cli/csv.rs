@@ -14,7 +14,7 @@ use ltcforge_files::bounded::{open_named, read_line};
 const LINE_LIMIT_BYTES: u64 = 4096;
 
 /// Some editors write this mark at the start of a file.
-const BYTE_ORDER_MARK: char = '\u{feff}';
+pub(super) const BYTE_ORDER_MARK: char = '\u{feff}';
 
 /// The lines of a file or of standard input.
 pub(super) struct CsvLines {

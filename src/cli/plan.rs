@@ -10,8 +10,8 @@ use clap::{ArgGroup, Args};
 use serde_json::{Value, json};
 
 use super::{
-    AnyTable, CommandFailure, Context, Exit, Interrupt, TableFolder, Threads, check_output_folder, export,
-    file_failure, fit, light_case::CaseFormat, named, shown, usage, write_in,
+    AnyTable, CommandFailure, Context, Exit, Interrupt, TableFolder, Threads, check_output_folder,
+    csv::BYTE_ORDER_MARK, export, file_failure, fit, light_case::CaseFormat, named, shown, usage, write_in,
 };
 use ltcforge_files::{
     bounded::read_named,
@@ -212,7 +212,8 @@ fn read(path: &Path, lights: Vec<SceneLight>, go_on: &GoOn<'_>) -> Result<Scene,
 /// Reads lights of one shape. Their surfaces and views are ignored, because the scene has its own.
 fn lights(path: &Path) -> Result<Vec<SceneLight>, CommandFailure> {
     let bytes = read_named(path, LIST_LIMIT_BYTES).map_err(|error| file_failure(path, &error))?;
-    let text = String::from_utf8_lossy(&bytes);
+    let text = str::from_utf8(&bytes).map_err(|_| usage(format!("{}: the file is not UTF-8", path.display())))?;
+    let text = text.trim_start_matches(BYTE_ORDER_MARK);
     let of_shape = |shape: &LightShape| CaseFormat { shape: *shape, material: None };
     let is_of_shape = |shape: &&LightShape| text.lines().next().is_some_and(|line| of_shape(shape).is_header(line));
     let format = of_shape(LightShape::ALL.iter().find(is_of_shape).unwrap_or(&LightShape::Polygon));
@@ -320,9 +321,7 @@ fn check(
         let (name, error) = (figure.name(scene), figure.error);
         let word = if error > most { "above" } else { "the largest, within the limit" };
         let of = if scene.lights.is_empty() { "the lobe's width" } else { "the light" };
-        let helps: String =
-            figure.helps.iter().filter(|_| error > most).flat_map(|help| ["; better: ", help.in_words()]).collect();
-        format!("{name}: error {error:.4} of {of}, {word} {most:.4}{helps}")
+        format!("{name}: error {error:.4} of {of}, {word} {most:.4}")
     };
     let mut lines: Vec<String> = figures.iter().take(above.max(1)).map(line).collect();
     let other = |(material, kind): &(String, _)| {
@@ -332,6 +331,10 @@ fn check(
     left.extend(left_out(scene));
     let value = json!({ "table": of.digest, "most": most, "errors": figures, "not_checked": left });
     lines.extend(left);
+    if above > 0 {
+        let lights = args.lights.as_ref().map_or_else(String::new, |lights| format!(" --lights {}", lights.display()));
+        lines.push(format!("next: ltcforge plan {}{lights} -o {}", args.scene.display(), args.out.display()));
+    }
     context.print(&value, &lines.join("\n"))?;
     Ok(if above == 0 { Exit::Ok } else { Exit::Mismatch })
 }

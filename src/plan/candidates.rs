@@ -2,9 +2,9 @@
 
 use std::cmp::Ordering;
 
-use crate::prediction::{Nodes, Prediction};
+use crate::{curve::Curve, prediction::Prediction};
 use ltcforge_files::recipe_document::Preset;
-use ltcforge_fit::{FitSettings, LobeFresnel, PerAxis, Precision, Recipe, fit_seconds};
+use ltcforge_fit::{FitSettings, GivenNodes, Layout, LobeFresnel, PerAxis, Precision, Recipe, fit_seconds};
 
 /// Minimum and maximum number of nodes on an axis with several values.
 const NODES: PerAxis<[u32; 2]> = PerAxis { alpha: [2, 24], ratio: [2, 12], theta: [2, 24], phi: [2, 12] };
@@ -45,13 +45,11 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// The candidate with these nodes and this effort. Its numbers have 16 bits, because more bits would not reduce the
-    /// error.
-    pub(crate) fn of(prediction: &Prediction, nodes: Nodes, fit: FitSettings) -> Self {
-        let recipe = Recipe { fit, precision: Precision::F16, ..prediction.recipe(nodes) };
-        let (error, bytes, seconds) = (prediction.error(nodes, &recipe), recipe.bytes(), fit_seconds(&recipe));
-        let (limit, shipped) = (prediction.limit(nodes.lobes), prediction.shipped(&recipe));
-        Self { recipe, error, bytes, limit: Some(limit.min(error)), shipped, seconds }
+    /// The candidate with a recipe.
+    pub(crate) fn of(prediction: &Prediction, recipe: Recipe) -> Self {
+        let (error, bytes, seconds) = (prediction.error(&recipe), recipe.bytes(), fit_seconds(&recipe));
+        let (limit, shipped) = (prediction.limit(&recipe).min(error), prediction.shipped(&recipe));
+        Self { recipe, error, bytes, limit: Some(limit), shipped, seconds }
     }
 
     /// The bytes that the budget counts: of the compact form or the engine's files, or else of the table on a GPU.
@@ -68,55 +66,61 @@ impl Candidate {
 /// All candidates. For each choice of lobes, we keep the nodes whose table has less error than all tables with fewer
 /// entries, and combine them with every preset.
 pub(crate) fn candidates(prediction: &Prediction) -> Vec<Candidate> {
-    let base = &prediction.base;
-    let is_free = base.layout.only_ranges().is_none();
-    let entries = |nodes: &Nodes| nodes.resolution.named().iter().map(|(_, n)| f64::from(**n)).product::<f64>();
     let mut found = Vec::new();
-    for lobes in 0..prediction.curves.len() {
-        let all = if is_free { choices(prediction, lobes) } else { vec![Nodes::even(lobes, base.resolution)] };
-        let mut priced: Vec<(f64, f64, Nodes)> =
-            all.into_iter().map(|nodes| (entries(&nodes), prediction.of_nodes(nodes), nodes)).collect();
-        priced.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    for curve in &prediction.curves {
+        let priced = choices(prediction, curve).into_iter().map(|recipe| (prediction.of_nodes(&recipe), recipe));
+        let mut priced: Vec<(f64, Recipe)> = priced.collect();
+        priced.sort_by(|a, b| a.1.entries().cmp(&b.1.entries()).then(a.0.total_cmp(&b.0)));
         let mut least = f64::INFINITY;
-        for (_, added, nodes) in priced {
+        for (added, recipe) in priced {
             if added >= least {
                 continue;
             }
             least = added;
-            let one = Candidate::of(prediction, nodes, base.fit);
+            let one = Candidate::of(prediction, recipe);
             found.extend(Preset::ALL.map(|preset| {
                 let recipe = Recipe { fit: preset.fit(), ..one.recipe.clone() };
-                let error = prediction.error(nodes, &recipe);
-                Candidate { error, seconds: fit_seconds(&recipe), recipe, ..one }
+                Candidate { error: prediction.error(&recipe), seconds: fit_seconds(&recipe), recipe, ..one }
             }));
         }
     }
     found
 }
 
-/// All nodes that a table may have: evenly spaced, listed, or the scene's materials.
-fn choices(prediction: &Prediction, lobes: usize) -> Vec<Nodes> {
-    let range = &prediction.base.range;
+/// Recipes with all nodes that a table may have: evenly spaced, listed, or the scene's materials. Numbers have 16 bits,
+/// because more bits would not reduce the error.
+fn choices(prediction: &Prediction, curve: &Curve) -> Vec<Recipe> {
+    let brdf = prediction.base.brdf.clone().with_fresnel(curve.fresnel.clone());
+    let base = Recipe { brdf, precision: Precision::F16, ..prediction.base.clone() };
+    if base.layout.only_ranges().is_some() {
+        return vec![base];
+    }
+    let range = base.range;
     let counts = |[low, high]: [f64; 2], [from, to]: [u32; 2]| if low < high { from..=to } else { 1..=1 };
-    let of_axis = |axis: usize, range, limits| -> Vec<(u32, bool)> {
-        let given = prediction.curves[lobes].given[axis].as_ref().map(|nodes| (nodes.len() as u32, true));
-        counts(range, limits).map(|n| (n, false)).chain(given).collect()
+    // The numbers of nodes of an axis, each with the nodes that are listed.
+    let of_axis = |axis: usize, range, limits| -> Vec<(u32, Vec<f64>)> {
+        let listed = curve.given[axis].iter().map(|nodes| (nodes.len() as u32, nodes.clone()));
+        counts(range, limits).map(|n| (n, Vec::new())).chain(listed).collect()
     };
     let ratios = of_axis(1, range.ratio, NODES.ratio);
-    // For alpha and ratio: the numbers of nodes, whether they are listed, and whether they are materials.
     let mut surfaces = Vec::new();
-    for (alpha, given_alpha) in of_axis(0, range.alpha, NODES.alpha) {
-        surfaces.extend(ratios.iter().map(|(ratio, given)| (alpha, *ratio, [given_alpha, *given], false)));
+    for (count, alpha) in of_axis(0, range.alpha, NODES.alpha) {
+        surfaces.extend(ratios.iter().cloned().map(|(of_ratio, ratio)| {
+            let nodes = PerAxis { alpha: alpha.clone(), ratio, theta: Vec::new(), phi: Vec::new() };
+            (count, of_ratio, Recipe { given: GivenNodes::new(nodes), ..base.clone() })
+        }));
     }
     if !prediction.materials.is_empty() {
-        surfaces.push((prediction.materials.len() as u32, 1, [false; 2], true));
+        let given = GivenNodes::default().with_materials(&prediction.materials);
+        let recipe = Recipe { layout: Layout::Materials, given, ..base };
+        surfaces.push((prediction.materials.len() as u32, 1, recipe));
     }
     let mut all = Vec::new();
-    for (alpha, ratio, given, of_materials) in surfaces {
+    for (alpha, ratio, recipe) in surfaces {
         for theta in counts(range.theta, NODES.theta) {
             all.extend(counts(range.phi, NODES.phi).map(|phi| {
                 let resolution = PerAxis { alpha, ratio, theta, phi };
-                Nodes { lobes, resolution, given, of_materials }
+                Recipe { resolution, ..recipe.clone() }
             }));
         }
     }

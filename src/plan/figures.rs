@@ -30,7 +30,7 @@ pub enum Help {
     Roughness,
     /// More nodes for views.
     Views,
-    /// A second set of lobes: for dielectrics next to metal, or for metal next to dielectrics.
+    /// A second table, so that metal and dielectrics have one each.
     SecondSet,
 }
 
@@ -42,7 +42,7 @@ impl Help {
             Self::ClosedForm => "the closed form",
             Self::Roughness => "more nodes near this roughness",
             Self::Views => "more nodes for views",
-            Self::SecondSet => "a second set, so that metal and plastic have one each",
+            Self::SecondSet => "two sets, one for metal and one for plastic",
         }
     }
 }

@@ -64,10 +64,10 @@ impl<'a> Needs<'a> {
         let mut pairs = Vec::new();
         for pair in self.spots().map(|(spot, _)| spot.pair()) {
             if !pairs.contains(&pair) {
-                if pairs.len() == MOST_MATERIALS {
-                    return Vec::new();
-                }
                 pairs.push(pair);
+            }
+            if pairs.len() > MOST_MATERIALS {
+                return Vec::new();
             }
         }
         pairs

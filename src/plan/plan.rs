@@ -7,7 +7,7 @@ use crate::{
     figures::{Figure, add_helps, figures, lighting},
     form::Form,
     needs::Needs,
-    prediction::{Nodes, Prediction, nodes_within},
+    prediction::{Prediction, nodes_within},
     probes::{POINTS, Probes, Stopped},
     without::{FAR_NEARER, WithoutTable, best, text_cost_of, without_table},
 };
@@ -115,7 +115,7 @@ impl<'a> TablePlan<'a> {
         let plan = Self {
             budget,
             is_met: false,
-            chosen: Candidate::of(&prediction, Nodes::even(0, prediction.base.resolution), prediction.base.fit),
+            chosen: Candidate::of(&prediction, prediction.base.clone()),
             candidates: Vec::new(),
             fitted: Vec::new(),
             figures: Vec::new(),
@@ -220,7 +220,10 @@ impl<'a> TablePlan<'a> {
         };
         if is_off {
             let of_bytes = shipped.zip(self.chosen.shipped).map_or(1.0, |(is, was)| MARGIN * is as f64 / was as f64);
-            let again = Self { prediction: self.prediction.corrected(factor, of_bytes), ..self.clone() }.choose();
+            let mut again = self.clone();
+            again.prediction.of_errors *= factor;
+            again.prediction.of_bytes *= of_bytes;
+            let again = again.choose();
             let is_met = if again.chosen.recipe == self.chosen.recipe { self.is_met } else { again.is_met };
             *self = Self { is_met, ..again };
         } else if let Some(whole) = self.of_whole().filter(|whole| is_first && whole.error < error)

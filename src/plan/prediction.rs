@@ -52,31 +52,11 @@ pub(crate) struct Prediction {
     engine: Option<Engine>,
     /// The bytes of compact forms, if the budget counts them.
     compact: Option<CompactBytes>,
-    /// Factors on all errors, and on the bytes that are shipped.
-    of_errors: f64,
-    of_bytes: f64,
+    /// Factors on all errors, and on the bytes that are shipped: corrections after a table was measured.
+    pub(crate) of_errors: f64,
+    pub(crate) of_bytes: f64,
     /// The scene's pairs of alpha and ratio; empty if a table cannot have them as materials.
     pub(crate) materials: Vec<[f64; 2]>,
-}
-
-/// The nodes of a table over the ranges of the coarse table.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Nodes {
-    /// The index of the table's lobes in [`Prediction::curves`].
-    pub(crate) lobes: usize,
-    /// The number of nodes on each axis.
-    pub(crate) resolution: PerAxis<u32>,
-    /// Whether the nodes are those of [`Curve::given`], for alpha and for ratio.
-    pub(crate) given: [bool; 2],
-    /// Whether the nodes are the scene's pairs, in a table of layout `materials`.
-    pub(crate) of_materials: bool,
-}
-
-impl Nodes {
-    /// Evenly spaced nodes.
-    pub(crate) fn even(lobes: usize, resolution: PerAxis<u32>) -> Self {
-        Self { lobes, resolution, given: [false; 2], of_materials: false }
-    }
 }
 
 /// The expected error that the limits on samples and directions add.
@@ -153,9 +133,14 @@ impl Prediction {
         })
     }
 
-    /// The error of a recipe's table on the scene. Domain: a recipe with these nodes; see [`Prediction::base`].
-    pub(crate) fn error(&self, nodes: Nodes, recipe: &Recipe) -> f64 {
-        self.of_errors * (self.curves[nodes.lobes].of_base + self.of_nodes(nodes) + self.of_effort(recipe))
+    /// The error of a recipe's table on the scene. Domain: see [`Prediction::base`].
+    pub(crate) fn error(&self, recipe: &Recipe) -> f64 {
+        self.of_errors * (self.curve(recipe).of_base + self.of_nodes(recipe) + self.of_effort(recipe))
+    }
+
+    /// The errors of a recipe's lobes.
+    fn curve(&self, recipe: &Recipe) -> &Curve {
+        self.curves.iter().find(|curve| curve.fresnel == *recipe.brdf.fresnel()).unwrap_or(&self.curves[0])
     }
 
     /// The error of a recipe's table, measured on the coarse table at its nodes.
@@ -168,9 +153,9 @@ impl Prediction {
         self.scale * (added_error(recipe) - added_error(&self.base))
     }
 
-    /// The error of the finest table with some lobes.
-    pub(crate) fn limit(&self, lobes: usize) -> f64 {
-        let curve = &self.curves[lobes];
+    /// The error of the finest table with the lobes of a recipe.
+    pub(crate) fn limit(&self, recipe: &Recipe) -> f64 {
+        let curve = self.curve(recipe);
         self.of_errors * (curve.of_base + curve.interpolation([0.0; 4]) - self.scale * added_error(&self.base))
     }
 
@@ -194,36 +179,13 @@ impl Prediction {
         if fresnel == self.base.brdf.fresnel() { read } else { read.with_one_lobe(fresnel) }
     }
 
-    /// The prediction after a table was measured: `factor` multiplies all errors, `of_bytes` all bytes that are shipped.
-    pub(crate) fn corrected(&self, factor: f64, of_bytes: f64) -> Self {
-        Self { of_errors: factor * self.of_errors, of_bytes: of_bytes * self.of_bytes, ..self.clone() }
-    }
-
-    /// The error that nodes add to the coarse table's error.
-    pub(crate) fn of_nodes(&self, nodes: Nodes) -> f64 {
-        let Nodes { lobes, resolution, given, of_materials } = nodes;
-        let curve = &self.curves[lobes];
-        let mut squared = squared_steps(self.base.layout, &self.base.range, &resolution);
-        for axis in (0..2).filter(|axis| of_materials || given[*axis]) {
-            squared[axis] = 0.0;
+    /// The error that the nodes of a recipe add to the coarse table's error. Nodes that are the scene's own values need
+    /// no interpolation.
+    pub(crate) fn of_nodes(&self, recipe: &Recipe) -> f64 {
+        let mut squared = squared_steps(self.base.layout, &self.base.range, &recipe.resolution);
+        for (squared, (_, given)) in squared.iter_mut().zip(recipe.given.axes().named()) {
+            *squared = if given.is_empty() { *squared } else { 0.0 };
         }
-        curve.interpolation(squared)
-    }
-
-    /// The recipe of a table with these nodes, and the coarse table's effort and number format.
-    pub(crate) fn recipe(&self, nodes: Nodes) -> Recipe {
-        let Nodes { lobes, resolution, given, of_materials } = nodes;
-        let curve = &self.curves[lobes];
-        let recipe = Recipe {
-            brdf: self.base.brdf.clone().with_fresnel(curve.fresnel.clone()),
-            resolution,
-            ..self.base.clone()
-        };
-        if of_materials {
-            let given = GivenNodes::default().with_materials(&self.materials);
-            return Recipe { layout: Layout::Materials, given, ..recipe };
-        }
-        let [alpha, ratio] = [0, 1].map(|axis| curve.given[axis].clone().filter(|_| given[axis]).unwrap_or_default());
-        Recipe { given: GivenNodes::new(PerAxis { alpha, ratio, theta: Vec::new(), phi: Vec::new() }), ..recipe }
+        self.curve(recipe).interpolation(squared)
     }
 }

@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use crate::{
     candidates::Budget,
     figures::{Figure, Help},
-    histogram::span,
+    histogram::{LEAST_METAL, span},
     plan::TablePlan,
-    scene::Scene,
+    scene::{Scene, SceneMaterial},
     without::text_cost_of,
 };
 use ltcforge_files::recipe_document::Preset;
-use ltcforge_fit::BrdfKind;
+use ltcforge_fit::{BrdfKind, WeightedF0};
 use ltcforge_shaders::GpuCost;
 
 /// Maximum number of lines about materials.
@@ -48,6 +48,7 @@ pub fn words(scene: &Scene, plans: &[TablePlan<'_>], is_verbose: bool) -> Vec<St
         if figures.len() > MOST_LINES {
             lines.push(format!("  and {} more: `materials` in plan.json", figures.len() - MOST_LINES));
         }
+        lines.extend(two_sets(plan));
         if !dark.is_empty() {
             lines.push(format!("no light reaches {}", names(dark.iter().map(|figure| figure.name(scene)).collect())));
         }
@@ -154,30 +155,40 @@ fn material_line(scene: &Scene, figure: &Figure) -> String {
     format!("  {name}: roughness {roughness}, {share:.0} % of the surface, error {error:.5}{unit}; {helps}")
 }
 
+/// The commands that fit a table for metal and a table for plastic, if both together help.
+fn two_sets(plan: &TablePlan<'_>) -> Vec<String> {
+    let is_wanted = plan.figures.iter().any(|figure| figure.helps.contains(&Help::SecondSet));
+    let layout = plan.whole.recipe.layout;
+    let line = |WeightedF0 { f0, .. }: WeightedF0| {
+        let kind = if f0 < LEAST_METAL { "plastic" } else { "metal" };
+        let recipe = format!(r#"{{"layout": "{layout}", "fresnel": [{{"f0": {f0}}}]}}"#);
+        format!("  a set for {kind}: echo '{recipe}' | ltcforge fit - -o {kind}")
+    };
+    plan.needs.reflectances().into_iter().filter(|_| is_wanted).map(line).collect()
+}
+
+const NOTE: &str = "note: ";
+
 /// The parts of a scene's light that no table covers, grouped, and notes about parts of the scene that were not read.
 #[must_use]
 pub fn left_out(scene: &Scene) -> Vec<String> {
-    let mut groups: BTreeMap<(bool, String), Vec<&str>> = BTreeMap::new();
-    for material in &scene.materials {
-        for what in &material.uncovered {
-            groups.entry((false, what.clone())).or_default().push(&material.name);
-        }
-        if material.lobes.is_empty() && material.uncovered.is_empty() {
-            groups.entry((false, "no part of it is visible".to_owned())).or_default().push(&material.name);
+    let mut groups: BTreeMap<(&str, &str), Vec<&str>> = BTreeMap::new();
+    for SceneMaterial { name, lobes, uncovered, .. } in &scene.materials {
+        let hidden = (lobes.is_empty() && uncovered.is_empty()).then_some("no part of it is visible");
+        for what in uncovered.iter().map(String::as_str).chain(hidden) {
+            groups.entry(("not covered on ", what)).or_default().push(name);
         }
     }
     for note in &scene.notes {
         // Notes that start with different names but say the same are one note.
         let (of, what) = note.split_once(": ").unwrap_or(("", note));
-        groups.entry((true, what.to_owned())).or_default().push(of);
+        groups.entry((NOTE, what)).or_default().push(of);
     }
-    let line = |((is_note, what), names): ((bool, String), Vec<&str>)| match (is_note, &names[..]) {
-        (false, [name]) => format!("not covered on {name}: {what}"),
-        (false, _) => format!("not covered on {} materials: {what}", names.len()),
-        (true, [""]) => format!("note: {what}"),
-        (true, [name]) => format!("note: {name}: {what}"),
-        (true, [name, ..]) => format!("note: {name} and {} more: {what}", names.len() - 1),
-        (true, []) => what,
+    let line = |((kind, what), names): ((&str, &str), Vec<&str>)| match names[..] {
+        [""] => format!("{kind}{what}"),
+        [name] => format!("{kind}{name}: {what}"),
+        [name, ..] if kind == NOTE => format!("{kind}{name} and {} more: {what}", names.len() - 1),
+        _ => format!("{kind}{} materials: {what}", names.len()),
     };
     groups.into_iter().map(line).collect()
 }

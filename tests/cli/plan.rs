@@ -110,6 +110,42 @@ fn scenes_that_are_none_are_usage_errors() {
     assert!(fs::read_dir(here).expect("a folder").count() == 1);
 }
 
+/// Files of lights that are hostile, or that editors wrote.
+#[test]
+fn invalid_lights_are_usage_errors() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
+    fs::write(here.join("scene.json"), STEEL).expect("a list");
+    let header = "alpha_x,alpha_y,theta,phi,sides,x0,y0,z0,x1,y1,z1,x2,y2,z2\n";
+    let row = "0.1,0.1,0,0,2,-1,-1,1,-1,1,1,1,1,1\n";
+    let refused = |bytes: &[u8], wanted: &str| {
+        fs::write(here.join("lights.csv"), bytes).expect("lights");
+        let error = run(here, ["plan", "scene.json", "--lights", "lights.csv"]).exited(2).stderr;
+        assert!(error.contains(wanted) && error.len() < 1000, "{wanted} is not in {error:.2000}");
+    };
+    refused(b"", "lights.csv: 0 lights; use 1 to 32");
+    refused(b"alpha_x\xff\xfe\n", "lights.csv: the file is not UTF-8");
+    refused(b"1,2,3\n", "lights.csv, line 1: 3 fields; a light has alpha_x,alpha_y,theta,phi,sides and then");
+    for number in ["nan", "inf", "-inf", "1e999", "0x10", ""] {
+        let line = row.replacen("-1", number, 1);
+        let wanted = format!("line 2: x0 is «{number}»; a coordinate must be a finite number");
+        refused(format!("{header}{line}").as_bytes(), &wanted);
+    }
+    refused("1,".repeat(500_000).as_bytes(), "line 1: 500001 fields");
+    refused(&[header.as_bytes(), row.repeat(20_000).as_bytes()].concat(), "lights.csv: 20000 lights; use 1 to 32");
+    refused(header.repeat(10_000).as_bytes(), "lights.csv: 0 lights");
+    // A line that is longer than the memory of most machines.
+    refused(b"", "0 lights");
+    fs::File::options().write(true).open(here.join("lights.csv")).expect("a file").set_len(1 << 36).expect("a hole");
+    let error = run(here, ["plan", "scene.json", "--lights", "lights.csv"]).exited(1).stderr;
+    assert!(error.contains("longer than 1048576 bytes"), "{error}");
+    // Some editors write a mark at the start. A light of extreme size is no error.
+    let huge = row.replace("-1", "-1e308").replace(",1", ",1e308");
+    fs::write(here.join("lights.csv"), format!("\u{feff}{header}{row}{huge}")).expect("lights");
+    let output = run(here, ["plan", "scene.json", "--lights", "lights.csv"]).exited(0).stdout;
+    assert!(output.starts_with("1 material, every view, 2 lights."), "{output}");
+}
+
 /// The files of an engine's table lie beside the plan, and a budget below its one size is answered with that table.
 #[test]
 fn a_plan_for_an_engine_has_its_layout_and_its_files() {

@@ -22,7 +22,7 @@ pub(super) struct Container {
     pub(super) json: Vec<u8>,
     pub(super) binary: Option<Vec<u8>>,
     /// The folder of files that the document may name; `None` if it may not name files.
-    folder: Option<PathBuf>,
+    pub(super) folder: Option<PathBuf>,
     /// Bytes that may still be read.
     left: u64,
 }
@@ -44,11 +44,6 @@ impl Container {
         let (json, binary) = if bytes.starts_with(b"glTF") { chunks(&bytes)? } else { (bytes, None) };
         SceneError::above("bytes of the document", json.len() as u64, MOST_JSON)?;
         Ok(Self { json, binary, folder, left })
-    }
-
-    /// Whether the document may name other files.
-    pub(super) fn has_files(&self) -> bool {
-        self.folder.is_some()
     }
 
     /// The bytes of a URI: data, or a file in the scene's folder.

@@ -34,7 +34,7 @@ impl Geometry {
     ) -> Result<Self, SceneError> {
         let primitive = part.primitive;
         let fault = |field: &str, detail: String| Err(SceneError::fault(format!("{}/{field}", part.place()), detail));
-        let mode = primitive.mode.unwrap_or(4);
+        let mode = primitive.mode;
         if mode > 6 {
             return fault("mode", format!("{mode} is not between 0 and 6"));
         }

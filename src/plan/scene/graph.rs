@@ -60,7 +60,7 @@ impl Graph {
             if let Some(mesh) = node.mesh {
                 let skin = node.skin.filter(|skin| !document.skins[*skin].joints.is_empty());
                 let posed = Posed { mesh, skin, node: (!node.weights.is_empty()).then_some(index) };
-                let mut all = match SceneError::split(instanced(buffers, document, index, &mut instances))? {
+                let all = match SceneError::split(instanced(buffers, document, index, &mut instances))? {
                     Ok(all) => all,
                     Err(why) => {
                         graph.notes.push(format!("node {index}: {why}; its mesh counts as one instance"));
@@ -69,10 +69,7 @@ impl Graph {
                 };
                 // A skin places its mesh; the node does not.
                 let world = if skin.is_some() { DMat4::IDENTITY } else { world };
-                for instance in &mut all {
-                    *instance = world * *instance;
-                }
-                graph.worlds.entry(posed).or_default().extend(all);
+                graph.worlds.entry(posed).or_default().extend(all.into_iter().map(|instance| world * instance));
             }
             graph.cameras.extend(node.camera.and_then(|camera| Placed::new(&document.cameras[camera], world)));
             if node.extensions.contains_key(EXT_LIGHTS_AREA) {

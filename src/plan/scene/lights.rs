@@ -4,7 +4,7 @@ use glam::{DMat4, DVec3};
 
 use super::{
     accessor::Buffers,
-    document::{AreaLight, AreaLights, Document, Emission, Material},
+    document::{AreaLight, AreaLights, Document, Emission, Material, Rect},
     error::{Faults, SceneError, named, shown},
     extensions::{EXT_LIGHTS_AREA, extension},
     geometry::Geometry,
@@ -100,9 +100,7 @@ pub(super) fn read(
 
 /// A light of `EXT_lights_area` with its radiance. It shines along -Z.
 fn area_light(light: &AreaLight, index: usize, world: &DMat4) -> Result<(PlacedLight, [f64; 3]), SceneError> {
-    let (size, aspect, intensity) =
-        (light.size.unwrap_or(1.0), light.rect.aspect.unwrap_or(1.0), light.intensity.unwrap_or(1.0));
-    let color = light.color.unwrap_or([1.0; 3]);
+    let AreaLight { size, intensity, color, rect: Rect { aspect }, .. } = *light;
     let mut faults = Faults::default();
     let numbers = [("size", size), ("rect/aspect", aspect), ("intensity", intensity)];
     for (field, value) in numbers.into_iter().chain(color.map(|part| ("color", part))) {
@@ -141,7 +139,7 @@ fn is_near(light: &PlacedLight) -> bool {
 fn radiance((index, material): (usize, &Material)) -> Result<[f64; 3], SceneError> {
     let place = format!("/materials/{index}");
     let emission: Emission = extension(&place, &material.extensions, "KHR_materials_emissive_strength")?;
-    let strength = emission.emissive_strength.unwrap_or(1.0);
+    let strength = emission.emissive_strength;
     let mut faults = Faults::default();
     for part in material.emissive_factor {
         faults.within(format!("{place}/emissiveFactor"), part, f64::MAX);

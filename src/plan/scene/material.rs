@@ -10,8 +10,6 @@ use super::{
 };
 use ltcforge_fit::{ALPHA_FLOOR, math::atan2};
 
-/// Default cutoff: a masked surface is cut away where alpha is below it.
-const CUTOFF: f64 = 0.5;
 /// Reflectance of a clear coat at normal incidence, of index 1.5.
 const COAT_F0: f64 = 0.04;
 
@@ -113,18 +111,13 @@ impl Shaded {
         let (pbr, extensions) = (&material.pbr_metallic_roughness, &material.extensions);
         let ior: Ior = extension(&place, extensions, "KHR_materials_ior")?;
         let specular: Specular = extension(&place, extensions, "KHR_materials_specular")?;
-        let mut anisotropy: Anisotropy = extension(&place, extensions, "KHR_materials_anisotropy")?;
-        if anisotropy.anisotropy_strength == 0.0 {
-            anisotropy = Anisotropy::default();
-        }
-        let mut clearcoat: Clearcoat = extension(&place, extensions, "KHR_materials_clearcoat")?;
-        if clearcoat.clearcoat_factor == 0.0 {
-            clearcoat = Clearcoat::default();
-        }
-        let mut sheen: Sheen = extension(&place, extensions, "KHR_materials_sheen")?;
-        if sheen.sheen_color_factor == [0.0; 3] {
-            sheen = Sheen::default();
-        }
+        let anisotropy: Anisotropy = extension(&place, extensions, "KHR_materials_anisotropy")?;
+        let clearcoat: Clearcoat = extension(&place, extensions, "KHR_materials_clearcoat")?;
+        let sheen: Sheen = extension(&place, extensions, "KHR_materials_sheen")?;
+        // Layers without strength need no textures.
+        let anisotropy = if anisotropy.anisotropy_strength == 0.0 { Anisotropy::default() } else { anisotropy };
+        let clearcoat = if clearcoat.clearcoat_factor == 0.0 { Clearcoat::default() } else { clearcoat };
+        let sheen = if sheen.sheen_color_factor == [0.0; 3] { Sheen::default() } else { sheen };
         let alpha = pbr.base_color_texture.as_ref().filter(|_| material.alpha_mode != AlphaMode::Opaque);
         let wanted: [(&str, Option<&TextureInfo>, &'static [usize]); 9] = [
             ("roughness", pbr.metallic_roughness_texture.as_ref(), &[1, 2]),
@@ -154,23 +147,23 @@ impl Shaded {
             name: named(material.name.as_deref(), number),
             double_sided: material.double_sided,
             has_normal_map: material.normal_texture.is_some() || clearcoat.clearcoat_normal_texture.is_some(),
-            base_color: pbr.base_color_factor.unwrap_or([1.0; 4]),
-            metallic: pbr.metallic_factor.unwrap_or(1.0),
-            roughness: pbr.roughness_factor.unwrap_or(1.0),
-            ior: ior.ior.unwrap_or(1.5),
+            base_color: pbr.base_color_factor,
+            metallic: pbr.metallic_factor,
+            roughness: pbr.roughness_factor,
+            ior: ior.ior,
             specular,
             anisotropy,
             clearcoat,
             sheen,
             alpha_mode: material.alpha_mode,
-            alpha_cutoff: material.alpha_cutoff.unwrap_or(CUTOFF),
+            alpha_cutoff: material.alpha_cutoff,
             maps,
             is_ggx: is_ggx(extensions),
             uncovered: uncovered(extensions),
             missing,
         };
         shaded.check(&place)?;
-        if shaded.specular_factor() == 0.0 && shaded.metallic == 0.0 {
+        if shaded.specular.specular_factor == 0.0 && shaded.metallic == 0.0 {
             shaded
                 .uncovered
                 .push("it reflects only diffusely: specularFactor is 0 (KHR_materials_specular)".to_owned());
@@ -190,14 +183,14 @@ impl Shaded {
             ("extensions/KHR_materials_clearcoat/clearcoatFactor", self.clearcoat.clearcoat_factor),
             ("extensions/KHR_materials_clearcoat/clearcoatRoughnessFactor", self.clearcoat.clearcoat_roughness_factor),
             ("extensions/KHR_materials_sheen/sheenRoughnessFactor", self.sheen.sheen_roughness_factor),
-            ("extensions/KHR_materials_specular/specularFactor", self.specular_factor()),
+            ("extensions/KHR_materials_specular/specularFactor", self.specular.specular_factor),
         ];
         let colour = self.base_color.map(|part| ("pbrMetallicRoughness/baseColorFactor", part));
         let sheen = self.sheen.sheen_color_factor.map(|part| ("extensions/KHR_materials_sheen/sheenColorFactor", part));
         for (field, value) in factors.into_iter().chain(colour).chain(sheen) {
             faults.within(format!("{place}/{field}"), value, 1.0);
         }
-        for part in self.specular.specular_color_factor.unwrap_or([1.0; 3]) {
+        for part in self.specular.specular_color_factor {
             faults.within(format!("{place}/extensions/KHR_materials_specular/specularColorFactor"), part, f64::MAX);
         }
         if self.ior != 0.0 && !(1.0..f64::INFINITY).contains(&self.ior) {
@@ -207,15 +200,11 @@ impl Shaded {
         faults.none()
     }
 
-    fn specular_factor(&self) -> f64 {
-        self.specular.specular_factor.unwrap_or(1.0)
-    }
-
     /// The shape of a dielectric's lobe: its reflectance at normal incidence divided by its reflectance at grazing
     /// incidence, `min(f0 colour, 1)` by `KHR_materials_specular`. `colour` is the texture's value.
     fn dielectric_f0(&self, colour: [f64; 3]) -> f64 {
         let root = if self.ior > 0.0 { (self.ior - 1.0) / (self.ior + 1.0) } else { 1.0 };
-        let tint = self.specular.specular_color_factor.unwrap_or([1.0; 3]);
+        let tint = self.specular.specular_color_factor;
         luminance([0, 1, 2].map(|i| (root * root * tint[i] * colour[i]).min(1.0)))
     }
 
@@ -248,7 +237,8 @@ impl Shaded {
         let [roughness, metallic, _] = at(Map::Surface);
         let mut base = lobe(LobeKind::Base, f64::from(u8::from(self.is_ggx)), self.roughness * roughness);
         let metallic = self.metallic * metallic;
-        let (specular, specular_color) = (self.specular_factor() * at(Map::Specular)[0], colour(Map::SpecularColour));
+        let (specular, specular_color) =
+            (self.specular.specular_factor * at(Map::Specular)[0], colour(Map::SpecularColour));
         let [red, green, blue, factor] = self.base_color;
         // The factor of a dielectric scales all of its lobe, so it is a weight.
         let dielectric = (1.0 - metallic) * specular;
@@ -256,7 +246,7 @@ impl Shaded {
         let part = |weight: f64| if weight > 0.0 { weight / (dielectric + metallic) } else { 0.0 };
         base.f0 =
             [[self.dielectric_f0(specular_color), part(dielectric)], [luminance([red, green, blue]), part(metallic)]];
-        let tint = self.specular.specular_color_factor.unwrap_or([1.0; 3]);
+        let tint = self.specular.specular_color_factor;
         let glossy = Specification {
             base_color: [red, green, blue],
             metallic,

@@ -22,7 +22,7 @@ pub(super) struct Sampled {
 impl Sampled {
     /// The texel at texture coordinates.
     pub(super) fn at(&self, uv: [f64; 2]) -> [f64; 3] {
-        let pixels = &self.pixels;
+        let size = self.pixels.size;
         let texel = [0, 1].map(|i| {
             let [a, b, c] = self.transform[i];
             let place = a * uv[0] + b * uv[1] + c;
@@ -32,9 +32,9 @@ impl Sampled {
                 _ => place.rem_euclid(1.0),
             };
             // A coordinate that is not a number selects the first texel.
-            ((wrapped * pixels.size[i] as f64) as usize).min(pixels.size[i] - 1)
+            ((wrapped * size[i] as f64) as usize).min(size[i] - 1)
         });
-        pixels.at(texel)
+        self.pixels.at(texel)
     }
 }
 

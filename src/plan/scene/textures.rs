@@ -41,7 +41,7 @@ impl<'a> Textures<'a> {
         container: &'a mut Container,
         go_on: &'a GoOn<'a>,
     ) -> Self {
-        let most = if container.has_files() { OF_FILES } else { OF_ONE_FILE };
+        let most = if container.folder.is_some() { OF_FILES } else { OF_ONE_FILE };
         Self { document, buffers, container, go_on, most, kept: BTreeMap::new(), pixels: 0, bytes: 0 }
     }
 
@@ -68,7 +68,7 @@ impl<'a> Textures<'a> {
         self.kept.insert((image, channels), kept.clone());
         let sampler = texture.sampler.and_then(|sampler| self.document.samplers.get(sampler));
         let change: TextureTransform = extension(place, &info.extensions, "KHR_texture_transform")?;
-        let ([u, v], [x, y]) = (change.offset, change.scale.unwrap_or([1.0; 2]));
+        let ([u, v], [x, y]) = (change.offset, change.scale);
         let [sin, cos] = <[f64; 2]>::from(sin_cos(change.rotation));
         Ok(Sampled {
             pixels: kept.map_err(SceneError::Missing)?,
