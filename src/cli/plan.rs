@@ -237,7 +237,7 @@ fn fitted(plan: &mut TablePlan<'_>, draws_progress: bool, interrupt: &Interrupt)
     let whole = fit(&plan.whole.recipe)?;
     let mut table = fit(&plan.chosen.recipe)?;
     plan.measure(&table, Some(&whole));
-    while !plan.is_measured() {
+    while plan.measured().is_none() {
         table = fit(&plan.chosen.recipe)?;
         plan.measure(&table, None);
     }

@@ -96,8 +96,7 @@ impl Histogram {
 
     /// Mean reflectance at normal incidence and its weight, of dielectrics and of metal.
     pub(crate) fn f0(&self) -> Vec<[f64; 2]> {
-        let present = self.fitted.iter().filter(|sums| sums[2] > 0.0).map(means);
-        present.map(|[f0, _, weight]| [f0, weight]).collect()
+        self.fitted.iter().filter(|sums| sums[2] > 0.0).map(means).map(|[f0, _, weight]| [f0, weight]).collect()
     }
 
     /// Mean reflectances by the specification at normal and at grazing incidence, and their weights.

@@ -119,7 +119,7 @@ fn errors_under_own_lights_are_as_predicted_and_not_above_the_default_table_s() 
         let needs = Needs::of(&scene, false).expect("lobes");
         let mut plan =
             TablePlan::new(needs, Budget::Bytes(BYTES), Form::default(), &|| true).expect("nothing stops it");
-        while !plan.is_measured() {
+        while plan.measured().is_none() {
             let recipe = plan.chosen.recipe.clone();
             if tables.iter().all(|(fitted, _)| *fitted != recipe) {
                 tables.push((recipe.clone(), fitted(&recipe)));

@@ -108,9 +108,8 @@ impl<'a> TablePlan<'a> {
         let kept = compact::decode(WHOLE).ok().filter(|_| needs.brdf == BrdfKind::Ggx);
         let whole_table = kept.clone().filter(|_| layout == Layout::ALL[0]);
         let own = form.engine.and_then(Engine::stock);
-        let is_own = own.is_some();
-        let stock = own.or(kept).and_then(|table| probes.light_errors(lighting(&table)));
-        let of_engine = stock.as_deref().filter(|_| is_own);
+        let stock = own.clone().or(kept).and_then(|table| probes.light_errors(lighting(&table)));
+        let of_engine = stock.as_deref().filter(|_| own.is_some());
         let prediction = Prediction::new((&needs, &probes, of_engine), layout, form, go_on)?;
         let plan = Self {
             budget,
@@ -189,7 +188,7 @@ impl<'a> TablePlan<'a> {
     /// The choice is made again with corrected predictions if the table has too many bytes, or the first time if the
     /// prediction was off by more than a fifth or the table misses the budget. Otherwise, if the table of the whole
     /// domain is better, and its halves are within a budget of bytes, it becomes the choice. If the choice changes, the
-    /// plan is not [measured](TablePlan::is_measured): fit the new choice too.
+    /// plan is not [measured](TablePlan::measured): fit the new choice too.
     pub fn measure(&mut self, table: &Table, whole: Option<&Table>) {
         // A table to ship is measured after decoding.
         let (decoded, shipped) = match self.form.engine {
@@ -231,7 +230,7 @@ impl<'a> TablePlan<'a> {
         {
             self.chosen = whole;
         }
-        if self.is_measured() {
+        if self.measured().is_some() {
             self.show(table);
         }
     }
@@ -275,12 +274,6 @@ impl<'a> TablePlan<'a> {
     #[must_use]
     pub fn measured(&self) -> Option<&Fitted> {
         self.fitted.last().filter(|fitted| fitted.candidate.recipe == self.chosen.recipe)
-    }
-
-    /// Whether the choice is fitted and measured.
-    #[must_use]
-    pub fn is_measured(&self) -> bool {
-        self.measured().is_some()
     }
 }
 

@@ -5,7 +5,7 @@ use std::{f64::consts::FRAC_PI_4, fs};
 use ltcforge::Digest;
 use serde_json::{Value, json};
 
-use crate::common::command::run;
+use crate::common::command::{run, run_with_stdin};
 
 const LIST: &str = r#"{"materials": [
     {"name": "steel", "alpha_x": 0.2, "alpha_y": 0.2, "weight": 3}, {"name": "lacquer", "alpha_x": 0.05, "alpha_y": 0.05, "f0": 0.04}
@@ -63,6 +63,7 @@ fn a_plan_is_fitted_pinned_and_checked() {
     fs::write(here.join("grown.json"), LIST.replace("0.05", "0.4")).expect("a list");
     let output = check("grown.json", &[]).exited(3).stdout;
     assert!(output.starts_with("lacquer: error ") && output.contains(", above "), "{output}");
+    assert!(output.ends_with("next: ltcforge plan grown.json -o ltc\n"), "{output}");
     check("grown.json", &["--error", "2"]).exited(0);
     check("scene.json", &["--error", "0.001"]).exited(3);
     // Without a plan, a plan of the scene with the table's bytes promises.
@@ -165,6 +166,35 @@ fn a_plan_for_an_engine_has_its_layout_and_its_files() {
     assert!(report.contains("20000 bytes are too few: the smallest table has 18"), "{report}");
     let recipe = json_of(&fs::read(here.join("small/recipe.json")).expect("a recipe"));
     assert_eq!(recipe["layout"], json!("ltc2017"));
+}
+
+/// An engine's own files hold one lobe per entry, textures of your own renderer hold two.
+#[test]
+fn metal_and_plastic_have_two_lobes_or_a_mix_and_commands_for_two_sets() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
+    fs::write(here.join("scene.json"), LIST).expect("a list");
+    let fresnel = |engine: &str| {
+        let output = run(here, ["plan", "scene.json", "--for", engine, "-o", engine]).exited(0).stdout;
+        let recipe = json_of(&fs::read(here.join(engine).join("recipe.json")).expect("a recipe"));
+        (recipe["fresnel"].clone(), output)
+    };
+    let (own, output) = fresnel("wgpu");
+    assert_eq!(own, json!("blended_lobes"));
+    assert!(output.contains("use shader --two-lobes") && !output.contains("two sets"), "{output}");
+    let (mix, output) = fresnel("three");
+    assert_eq!(mix.as_array().map(Vec::len), Some(2), "{mix}");
+    assert!(output.contains("two sets, one for metal and one for plastic"), "{output}");
+    for (kind, f0) in [("metal", 1.0), ("plastic", 0.04)] {
+        let start = format!("  a set for {kind}: echo '");
+        let line = output.lines().find_map(|line| line.strip_prefix(&start)).expect("a command");
+        let (recipe, command) = line.split_once("' | ltcforge ").expect("a pipe");
+        assert_eq!(command, format!("fit - -o {kind}"));
+        assert_eq!(json_of(recipe.as_bytes()), json!({ "layout": "ltc2017", "fresnel": [{ "f0": f0 }] }));
+        // The limit is below the entries of the recipe, so nothing is fitted.
+        let refused = run_with_stdin(here, ["fit", "-", "--entry-limit", "10"], recipe).exited(2).stderr;
+        assert!(refused.contains("4096"), "{refused}");
+    }
 }
 
 #[test]

@@ -44,14 +44,10 @@ const NOT_COVERED: [(&str, &str); 8] = [
 /// Maximum number of unknown extensions in a note.
 const MOST_UNKNOWN: usize = 32;
 
-/// Whether a plan knows an extension.
-fn is_known(name: &str) -> bool {
-    READ.iter().chain(NOT_COVERED.iter().map(|(name, _)| name)).any(|known| *known == name)
-}
-
 /// The extensions that a plan does not know, up to [`MOST_UNKNOWN`].
 pub(super) fn unknown<'a>(names: impl Iterator<Item = &'a String>) -> impl Iterator<Item = &'a String> {
-    names.filter(|name| !is_known(name)).take(MOST_UNKNOWN)
+    let known = |name: &&String| READ.iter().chain(NOT_COVERED.iter().map(|(name, _)| name)).any(|known| known == name);
+    names.filter(move |name| !known(name)).take(MOST_UNKNOWN)
 }
 
 /// Whether the base lobe of a material is GGX.
