@@ -46,7 +46,7 @@ pub(crate) struct Prediction {
     pub(crate) curves: Vec<Curve>,
     /// The coarse table.
     table: Table,
-    /// The error that a unit of expected error stands for.
+    /// Error on the scene for each unit of expected error.
     scale: f64,
     /// The engine whose files the budget counts.
     engine: Option<Engine>,

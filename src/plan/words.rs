@@ -72,7 +72,7 @@ fn compared(error: f64, than: f64) -> String {
     }
 }
 
-/// What the table is compared with.
+/// The table that the plan's table is compared with.
 fn stock(plan: &TablePlan<'_>) -> String {
     plan.engine_table().map_or("the default table".to_owned(), |engine| format!("the table that {engine} ships"))
 }

@@ -276,7 +276,7 @@ pub(super) struct Accessor {
     pub(super) shape: String,
     pub(super) min: Option<Vec<f64>>,
     pub(super) max: Option<Vec<f64>>,
-    // A box, because most accessors of a document have none.
+    // Most accessors have none, and a box takes less memory then.
     pub(super) sparse: Option<Box<Sparse>>,
 }
 
@@ -294,7 +294,7 @@ pub(super) struct SparsePart {
     pub(super) buffer_view: usize,
     #[serde(default)]
     pub(super) byte_offset: u64,
-    /// Of indices.
+    /// The type of indices; values have that of the accessor.
     pub(super) component_type: Option<u32>,
 }
 
