@@ -163,7 +163,8 @@ pub(crate) fn choose(candidates: &[Candidate], budget: Budget) -> Result<&Candid
 }
 
 /// The highest error within a factor of the least. The factor applies to the part that nodes and effort remove from the
-/// error of the scene's own tables. This part of the default table's error is not known. Domain: at least one candidate.
+/// error of the scene's own tables. This part of the default table's error is not known. Tables of one size have no
+/// slack. Domain: at least one candidate.
 fn highest(candidates: &[&Candidate], factor: f64) -> f64 {
     let least = candidates.iter().map(|candidate| candidate.error).fold(f64::INFINITY, f64::min);
     let own = candidates.iter().filter_map(|candidate| Some((candidate.error, candidate.limit?)));

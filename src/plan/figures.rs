@@ -1,5 +1,5 @@
-//! The errors of a table on each material of a scene, next to the engine's own table and the closed form, and the changes
-//! that help each material.
+//! The errors of a table on each material of a scene, next to the engine's own table and the closed form. Also the
+//! changes that help each material.
 
 use serde::Serialize;
 

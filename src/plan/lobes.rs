@@ -37,7 +37,8 @@ pub(crate) struct Lobes {
 
 /// The choices of lobes for tables like `base`, best first: two lobes per entry if they are allowed and better, then
 /// the single lobes. `stock` are the errors of the light with an engine's own table. A lobe that is farther from metal
-/// or from dielectrics than this table comes last. Runs on the current rayon pool. The size of the pool does not change the result.
+/// or from dielectrics than this table comes last. Runs on the current rayon pool. The size of the pool does not change
+/// the result.
 ///
 /// # Errors
 /// [`Stopped`] if `go_on` returns `false`.

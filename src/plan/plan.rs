@@ -182,8 +182,8 @@ impl<'a> TablePlan<'a> {
         self.figures.iter().max_by(|a, b| a.shown().total_cmp(&b.shown()))
     }
 
-    /// Measures the fitted table of the choice and, if given, the table of the whole domain. The measured error or bytes
-    /// decide whether the budget is met.
+    /// Measures the fitted table of the choice and, if given, the table of the whole domain. The measured error or
+    /// bytes decide whether the budget is met.
     ///
     /// The choice is made again with corrected predictions if the table has too many bytes, or the first time if the
     /// prediction was off by more than a fifth or the table misses the budget. Otherwise, if the table of the whole

@@ -19,12 +19,12 @@ pub(super) type Extensions = BTreeMap<String, Box<RawValue>>;
 
 /// Declares objects of the format. Their members have names in camel case, and a default if the document lacks them.
 macro_rules! objects {
-    ($($(#[$doc:meta])* $name:ident { $($(#[$of_member:meta])* $member:ident: $type:ty $(= $default:expr)?,)* })*) => {$(
+    ($($(#[$doc:meta])* $name:ident { $($(#[$text:meta])* $member:ident: $type:ty $(= $default:expr)?,)* })*) => {$(
         $(#[$doc])*
         #[derive(Debug, Deserialize)]
         #[serde(default, rename_all = "camelCase")]
         pub(super) struct $name {
-            $($(#[$of_member])* pub(super) $member: $type,)*
+            $($(#[$text])* pub(super) $member: $type,)*
         }
 
         impl Default for $name {

@@ -81,7 +81,7 @@ pub(super) fn gather(
         SceneError::above("triangles of all instances", looks, MOST_TRIANGLES)?;
         let Ok(geometry) = geometry else { continue };
         scene.triangles += work * instances;
-        let area = part.worlds.iter().map(|world| all(&reached(&geometry, world))).sum::<f64>();
+        let area = part.worlds.iter().map(|world| area_of(&reached(&geometry, world))).sum::<f64>();
         total += area;
         instances_of_all += instances;
         if cameras > 0 || material.is_textured() {
@@ -116,7 +116,7 @@ pub(super) fn gather(
                     if !scene.lights.is_empty() {
                         let of = materials[..slot].iter().flatten().count();
                         // Half of the points are spread by area, and half evenly over the instances.
-                        let share = all(&reached) / total + 1.0 / instances_of_all as f64;
+                        let share = area_of(&reached) / total + 1.0 / instances_of_all as f64;
                         let expected = 0.5 * lit * share;
                         let count = (so_far + expected).floor() - so_far.floor();
                         so_far += expected;
@@ -156,7 +156,7 @@ fn reached(geometry: &Geometry, world: &DMat4) -> Vec<f64> {
 }
 
 /// The area of an instance.
-fn all(reached: &[f64]) -> f64 {
+fn area_of(reached: &[f64]) -> f64 {
     reached.last().copied().unwrap_or(0.0)
 }
 
@@ -198,7 +198,7 @@ impl Instance<'_> {
         go_on: &GoOn<'_>,
     ) -> Result<(), SceneError> {
         SceneError::unless(go_on)?;
-        let total = all(reached);
+        let total = area_of(reached);
         if self.cameras.is_empty() && !self.material.is_textured() {
             let (part, lobes) = self.material.lobes(&|_| [0.0; 2]);
             gathered.add(&lobes, total * part, &[]);
@@ -236,7 +236,7 @@ impl Instance<'_> {
         (reached, expected): (&[f64], f64),
         lights: &[SceneLight],
     ) -> Vec<Place> {
-        let (mut found, area) = (Vec::new(), all(reached));
+        let (mut found, area) = (Vec::new(), area_of(reached));
         for number in (0..count).filter(|_| area > 0.0) {
             let Some((triangle, weights)) = spread(number, area / count as f64, reached) else { continue };
             let (position, [tangent, bitangent, normal]) = self.geometry.point(triangle, weights, self.world);
