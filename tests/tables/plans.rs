@@ -44,11 +44,11 @@ fn a_plan_with_half_the_bytes_is_not_worse_on_any_scene() {
         let planned =
             |budget| TablePlan::new(needs.clone(), budget, Form::default(), &|| true).expect("nothing stops it");
         let mut plan = planned(Budget::Bytes(83_160));
-        assert_eq!(plan.whole.bytes, 2 * 83_160);
+        assert_eq!(plan.whole.recipe.bytes(), 2 * 83_160);
         let table =
             fit_plan(&Plan::new(&plan.chosen.recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it");
         plan.measure(&table, None);
-        let (fitted, whole) = (&plan.fitted[0], plan.whole.predicted.expect("the default table is kept"));
+        let (fitted, whole) = (&plan.fitted[0], plan.whole.error.expect("the default table is kept"));
         let (off_by, bytes) = (fitted.off_by(), fitted.candidate.bytes);
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let line = format!("{name}: {:.4}, off by {off_by:.3}, {bytes} bytes; whole {whole:.4}", fitted.error);
