@@ -30,8 +30,8 @@ pub fn words(scene: &Scene, plans: &[TablePlan<'_>], is_verbose: bool) -> Vec<St
         n => format!(", {}", plural(n, "light")),
     };
     let views = match scene.cameras {
-        0 => "every view".to_owned(),
-        n => format!("the views of {}", plural(n, "camera")),
+        0 => "seen from all directions".to_owned(),
+        n => format!("seen from {}", plural(n, "camera")),
     };
     let mut lines = Vec::new();
     for plan in plans {
@@ -126,7 +126,7 @@ fn engine_lines(scene: &Scene, plan: &TablePlan<'_>) -> Vec<String> {
     };
     let worse: Vec<String> = plan.figures.iter().filter_map(worse).collect();
     if !worse.is_empty() && plan.engine_table().is_some() {
-        lines.push(format!("warning: farther than the table that {engine} ships on {}", names(worse)));
+        lines.push(format!("warning: farther from the truth than the table that {engine} ships on {}", names(worse)));
     }
     lines
 }
@@ -149,7 +149,7 @@ fn material_line(scene: &Scene, figure: &Figure) -> String {
     };
     let helps: Vec<String> = figure.helps.iter().map(help).collect();
     let helps =
-        if helps.is_empty() { "as near as a table can be".to_owned() } else { format!("better: {}", helps.join(", ")) };
+        if helps.is_empty() { "no table does better".to_owned() } else { format!("better: {}", helps.join(", ")) };
     let (name, share, error) = (figure.name(scene), 100.0 * figure.share, figure.shown());
     let unit = if figure.light[0].is_none() { " lobe widths" } else { "" };
     format!("  {name}: roughness {roughness}, {share:.0} % of the surface, error {error:.5}{unit}; {helps}")
@@ -206,9 +206,7 @@ fn words_of(plan: &TablePlan<'_>) -> Vec<String> {
     let preset = Preset::ALL.into_iter().find(|preset| preset.fit() == recipe.fit).map_or("custom", Preset::name);
     let measured = plan.measured().map_or_else(String::new, |fitted| format!("; measured {:.4}", fitted.error));
     let whole_error = whole.error.map_or_else(String::new, |error| format!(", error {error:.4}"));
-    let remains = chosen
-        .limit
-        .map_or_else(String::new, |limit| format!(", of which {limit:.4} remains with any number of nodes"));
+    let remains = chosen.limit.map_or_else(String::new, |limit| format!("; more nodes cannot remove {limit:.4} of it"));
     let cost = |cost: Option<GpuCost>| match cost {
         Some(cost) => format!("{} registers, {} instructions", cost.registers, cost.instructions),
         None => "not counted".to_owned(),
@@ -236,8 +234,7 @@ fn words_of(plan: &TablePlan<'_>) -> Vec<String> {
 fn conditions(plan: &TablePlan<'_>) -> Vec<String> {
     let recipe = &plan.chosen.recipe;
     let layout = recipe.layout;
-    let isotropic =
-        format!("tables of layout {layout} are isotropic; they light anisotropic materials as isotropic ones");
+    let isotropic = format!("tables of layout {layout} are isotropic; anisotropic materials look isotropic");
     let facts = [
         (
             recipe.brdf.fresnel().second().is_some(),
@@ -247,7 +244,7 @@ fn conditions(plan: &TablePlan<'_>) -> Vec<String> {
             plan.form.ship && plan.chosen.shipped.is_none(),
             "the table has no compact form; the budget counts its bytes on a GPU",
         ),
-        (!recipe.terms.any(), "the table has no terms; the energy of its lobes must come from elsewhere"),
+        (!recipe.terms.any(), "the table has no terms: your renderer must supply the energy of each lobe"),
         (layout.only_ranges().is_some() && !plan.needs.is_isotropic(), &isotropic),
     ];
     facts.into_iter().filter(|(holds, _)| *holds).map(|(_, fact)| fact.to_owned()).collect()
@@ -264,9 +261,11 @@ fn unmet(plan: &TablePlan<'_>) -> Vec<String> {
         }
         Budget::Bytes(most) => {
             let least = plan.fitted.iter().filter_map(|fitted| fitted.shipped).min().unwrap_or(chosen.spent());
-            format!("{most} bytes are too few: the smallest table has {least}")
+            format!("no table fits in {most} bytes: the smallest needs {least}")
         }
-        Budget::Seconds(most) => format!("{most} s are too few: the fastest fit takes {:.3} s", chosen.seconds),
+        Budget::Seconds(most) => {
+            format!("no table can be fitted in {most} s: the fastest takes {:.3} s", chosen.seconds)
+        }
         Budget::Knee => "no table is within the limits".to_owned(),
     };
     let is_readable = plan.is_readable(chosen);

@@ -24,7 +24,7 @@ fn a_plan_is_fitted_pinned_and_checked() {
     let here = folder.path();
     fs::write(here.join("scene.json"), LIST).expect("a list");
     let output = run(here, ["plan", "scene.json", "--bytes", "2000", "--fit", "-o", "ltc"]).exited(0).stdout;
-    assert!(output.starts_with("2 materials, every view. Use the closed form (rule "), "{output}");
+    assert!(output.starts_with("2 materials, seen from all directions. Use the closed form (rule "), "{output}");
     assert!(
         output.contains("no table, ") && output.contains("nearer than the default table; its worst material is "),
         "{output}"
@@ -48,7 +48,7 @@ fn a_plan_is_fitted_pinned_and_checked() {
     let [measured, whole] = ["measured", "whole"].map(|of| table[of]["error"].as_f64().expect("an error"));
     assert!(measured <= whole, "{measured} {whole}");
     let picture = fs::read_to_string(here.join("ltc/plan.svg")).expect("a picture");
-    assert!(picture.starts_with("<svg") && picture.contains("whole domain"));
+    assert!(picture.starts_with("<svg") && picture.contains("default table"));
     // The recipe is that of the table.
     let recipe = fs::read(here.join("ltc/recipe.json")).expect("a recipe");
     assert_eq!(json!(Digest::of(recipe.trim_ascii()).to_string()), table["recipe_digest"]);
@@ -76,7 +76,7 @@ fn a_budget_that_cannot_be_met_names_the_nearest_table() {
     let here = folder.path();
     fs::write(here.join("scene.json"), STEEL).expect("a list");
     let output = run(here, ["plan", "scene.json", "--bytes", "20"]).exited(1).stdout;
-    assert!(output.contains("20 bytes are too few: the smallest table has 44"), "{output}");
+    assert!(output.contains("no table fits in 20 bytes: the smallest needs 44"), "{output}");
     let output = run(here, ["plan", "scene.json", "--error", "0.001"]).exited(1).stdout;
     assert!(output.contains("no table has an error of 0.001 lobe widths or less: the nearest table has"), "{output}");
 }
@@ -144,7 +144,7 @@ fn invalid_lights_are_usage_errors() {
     let huge = row.replace("-1", "-1e308").replace(",1", ",1e308");
     fs::write(here.join("lights.csv"), format!("\u{feff}{header}{row}{huge}")).expect("lights");
     let output = run(here, ["plan", "scene.json", "--lights", "lights.csv"]).exited(0).stdout;
-    assert!(output.starts_with("1 material, every view, 2 lights."), "{output}");
+    assert!(output.starts_with("1 material, seen from all directions, 2 lights."), "{output}");
 }
 
 /// The files of an engine's table lie beside the plan, and a budget below its one size is answered with that table.
@@ -163,7 +163,7 @@ fn a_plan_for_an_engine_has_its_layout_and_its_files() {
     assert!(shipped <= 12_000 && shipped > 6000, "{shipped}");
     let report =
         run(here, ["plan", "scene.json", "--bytes", "20000", "--for", "three", "-o", "small"]).exited(1).stdout;
-    assert!(report.contains("20000 bytes are too few: the smallest table has 18"), "{report}");
+    assert!(report.contains("no table fits in 20000 bytes: the smallest needs 18"), "{report}");
     let recipe = json_of(&fs::read(here.join("small/recipe.json")).expect("a recipe"));
     assert_eq!(recipe["layout"], json!("ltc2017"));
 }
@@ -227,7 +227,7 @@ fn seconds_are_a_budget_and_take_less_effort() {
     assert!(number(&fast, "seconds") <= 0.02 && number(&slow, "seconds") <= 0.5, "{fast} {slow}");
     assert!(number(&fast, "error") > number(&slow, "error"), "{fast} {slow}");
     let output = run(here, ["plan", "scene.json", "--seconds", "0.00001"]).exited(1).stdout;
-    assert!(output.contains("0.00001 s are too few: the fastest fit takes"), "{output}");
+    assert!(output.contains("no table can be fitted in 0.00001 s: the fastest takes"), "{output}");
 }
 
 #[test]

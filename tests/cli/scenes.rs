@@ -55,7 +55,7 @@ fn a_glb_of_textures_coats_and_a_camera_is_fitted_and_measured() {
     assert!((0.85..1.15).contains(&number(&table["measured"]["off_by"])), "{}", table["measured"]);
     assert!(number(&table["measured"]["error"]) <= number(&table["whole"]["error"]), "{}", table["whole"]);
     let picture = fs::read_to_string(here.join("ltc/plan.svg")).expect("a picture");
-    assert!(picture.contains("remains with any table of these lobes") && picture.contains("whole domain"));
+    assert!(picture.contains("more nodes cannot remove this error") && picture.contains("default table"));
 }
 
 /// The layout of a planned recipe is one that the engine supports, and its table can be exported to the engine.
@@ -71,7 +71,7 @@ fn a_plan_for_each_engine_can_be_exported_to_it() {
             run(here, ["plan", "scene.json", "--for", name, "-o", name]).exited(0);
             let mut recipe = json_of(&fs::read(here.join(name).join("recipe.json")).expect("a recipe"));
             let picture = fs::read_to_string(here.join(name).join("plan.svg")).expect("a picture");
-            assert!(picture.contains("remains with any table of these lobes"), "{name}");
+            assert!(picture.contains("more nodes cannot remove this error"), "{name}");
             // The least effort gives a table of the same form.
             recipe["fit"]["samples"] = json!(32);
             recipe["fit"]["directions"] = json!(4);

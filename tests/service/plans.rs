@@ -21,7 +21,7 @@ fn a_list_of_materials_gives_a_recipe_that_can_be_submitted() {
     assert!(table["predicted"]["bytes"].as_u64().is_some_and(|bytes| bytes <= 2000), "{made:#}");
     assert_eq!(table["recipe"]["range"]["alpha"], json!([0.05, 0.2]));
     assert_eq!(made, plan("?bytes=2000", LIST.as_bytes()).with_status(200).json());
-    assert!(text(&made["summary"][0]).starts_with("2 materials, every view. "), "{made:#}");
+    assert!(text(&made["summary"][0]).starts_with("2 materials, seen from all directions. "), "{made:#}");
     let fitted = server.fit(&table["recipe"].to_string());
     let manifest = server.get(&format!("/v1/tables/{fitted}/manifest")).with_status(200).json();
     assert_eq!(manifest["recipe_digest"], table["recipe_digest"]);

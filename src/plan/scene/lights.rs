@@ -194,7 +194,7 @@ fn emissive(
             Err(why) => why,
         };
         if lights.len() == before && notes.len() < MOST_NOTES {
-            notes.push(format!("{}: {why}; it is not read as a light", name()));
+            notes.push(format!("{}: not used as a light: {why}", name()));
         }
     }
     Ok(())
