@@ -72,7 +72,7 @@ fn name_of(material: &Value) -> String {
 /// The frame of a panel, its title, and the names of its axes.
 fn frame(left: f64, title: &str, across: &str, up: &str) -> [String; 4] {
     let [width, height] = PANEL;
-    let (at, middle) = (left - 58.0, TOP + 0.5 * height);
+    let (at, middle) = (left - 53.0, TOP + 0.5 * height);
     [
         format!(r#"<text class="middle" transform="translate({at} {middle}) rotate(-90)">{up}</text>"#),
         text("title", left, 32.0, title),

@@ -22,8 +22,8 @@ pub struct PanelError {
     pub mean_radiance: f64,
 }
 
-/// Pixels per side of a tile.
-const TILE: u32 = 4;
+/// Pixels per side of tiles.
+const TILES: [u32; 3] = [4, 8, 16];
 
 /// Sums over the pixels of a tile on one material.
 #[derive(Clone, Copy, Default)]
@@ -37,8 +37,8 @@ struct Tile {
 /// The error of each material, over the pixels that the material covers.
 ///
 /// The pixels of a tile have independent noise and nearly the same error. So the sign of the error comes from one half of
-/// a tile, and its amount from the other half. Then noise does not add to the mean error. Errors that change their sign
-/// within a tile cancel.
+/// a tile, and its amount from the other half. Then noise does not add to the mean error. Noise that hides the sign and
+/// errors that change their sign within a tile make the mean too small, so the result is the largest of three tile sizes.
 pub(super) fn panel_errors(
     scene: &Scene,
     frame: &Frame,
@@ -46,14 +46,29 @@ pub(super) fn panel_errors(
     lit: &Radiances,
     reference: &Radiances,
 ) -> Vec<PanelError> {
+    let [mut errors, larger @ ..] = TILES.map(|side| errors_of_tiles(scene, frame, model, (lit, reference), side));
+    for (error, other) in larger.into_iter().flat_map(|of| of.into_iter().enumerate()) {
+        errors[error].mean_absolute = errors[error].mean_absolute.max(other.mean_absolute);
+    }
+    errors
+}
+
+/// The error of each material, from tiles of `side` x `side` pixels.
+fn errors_of_tiles(
+    scene: &Scene,
+    frame: &Frame,
+    model: LightModel,
+    (lit, reference): (&Radiances, &Radiances),
+    side: u32,
+) -> Vec<PanelError> {
     let mut sums = vec![PanelError::none(model); scene.materials.len()];
     let mut pixels = vec![0.0; scene.materials.len()];
-    let tiles = frame.size.div_ceil(TILE);
+    let tiles = frame.size.div_ceil(side);
     for tile in 0..tiles * tiles {
         let mut found = vec![Tile::default(); scene.materials.len()];
-        let corner = [tile % tiles, tile / tiles].map(|at| at * TILE);
-        for at in 0..TILE * TILE {
-            let [x, y] = [corner[0] + at % TILE, corner[1] + at / TILE];
+        let corner = [tile % tiles, tile / tiles].map(|at| at * side);
+        for at in 0..side * side {
+            let [x, y] = [corner[0] + at % side, corner[1] + at / side];
             let inside = x < frame.size && y < frame.size;
             let Some(cell) = inside.then(|| cpu::covering(frame, [x, y])).flatten() else { continue };
             let index = (y * frame.size + x) as usize;
