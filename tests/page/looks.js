@@ -1,4 +1,4 @@
-// Checks every page in both themes and at three widths: with axe-core, for content wider than the window, for small
+// Checks every page in both themes and at four widths: with axe-core, for content wider than the window, for small
 // text, and for motion if the user prefers reduced motion. `--pictures FOLDER` writes screenshots.
 
 import { createRequire } from 'node:module';
@@ -10,13 +10,13 @@ import { join } from 'node:path';
 import { PICTURES, SMALL, withWorld } from './world.js';
 
 const AXE = await readFile( createRequire( import.meta.url ).resolve( 'axe-core/axe.min.js' ), 'utf8' );
-const WIDTHS = [ 360, 1280, 3840 ];
+const WIDTHS = [ 360, 1280, 2560, 3840 ];
 
 /** An element of each page that appears once it is complete. */
-const READY = { tables: '.picture img[src]', table: '.plots img[src]', lookup: '.shown img[src]', jobs: '.state', job: '.state', new: 'aside dd', faults: '.bad', compare: '.best', viewer: '.facts', nowhere: '.notice' };
+const READY = { tables: '.picture img[src]', table: '.plots img[src]', lookup: '.shown img[src]', jobs: '.state', job: '.state', new: 'aside dd', faults: '.bad', compare: '.best', mixed: '.page-compare .muted', viewer: '.facts', difference: '.ramp', nowhere: '.notice' };
 
 /** The smallest font size by the width of the window, in pixels. On a 4K screen without scaling, a pixel is half as large as on others. */
-const LEAST = { 360: 11, 1280: 11, 3840: 16 };
+const LEAST = { 360: 11, 1280: 11, 2560: 11, 3840: 16 };
 
 /** Runs in the page: its smallest font size, and the part of the window's width that it uses. */
 function text() {
@@ -60,17 +60,37 @@ async function below( prefix, service ) {
 
 }
 
+/** The violations of accessibility rules on a page. */
+async function broken( page, at ) {
+
+	await page.evaluate( AXE );
+	const found = await page.evaluate( () => window.axe.run( document, { runOnly: [ 'wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa', 'best-practice' ] } ) );
+	return found.violations.map( ( { id, nodes } ) => `${ at }: ${ id }: ${ nodes.map( ( { html } ) => html.slice( 0, 120 ) ).join( ' | ' ) }` );
+
+}
+
 await withWorld( async ( { service, open } ) => {
+
+	const violations = [];
+	// Lists without tables and jobs.
+	for ( const colorScheme of [ 'light', 'dark' ] ) for ( const list of [ 'tables', 'jobs' ] ) {
+
+		const page = await open( list, { colorScheme } );
+		await page.locator( '.empty, .page-jobs .muted' ).first().waitFor();
+		violations.push( ...await broken( page, `empty ${ list }, ${ colorScheme }` ) );
+		await page.context().close();
+
+	}
 
 	// For screenshots, the tables have good quality.
 	const recipes = PICTURES ? [ { preset: 'paper' }, { preset: 'standard', layout: 'ltc2017' }, { preset: 'paper', precision: 'f16' }, { preset: 'draft', brdf: 'charlie' } ] : [ SMALL, { ...SMALL, precision: 'f16' } ];
 	const digests = [];
 	for ( const recipe of recipes ) digests.push( await service.fit( recipe ) );
+	const sheen = await service.fit( { ...SMALL, brdf: 'charlie', resolution: { alpha: 2, theta: 2 } } );
 	const lookup = await service.fit( { table: 'dfg', resolution: { roughness: 8, cos_theta: 8 } } );
 	const failed = await service.fail( { ...SMALL, terms: false } );
 	const bad = JSON.stringify( { preset: 'draft', fit: { samples: 3 } } );
-	const pages = { tables: 'tables', table: `tables/${ digests[ 0 ] }`, lookup: `tables/${ lookup }`, jobs: 'jobs', job: `jobs/${ failed }`, new: 'new', faults: `new?${ new URLSearchParams( { recipe: bad } ) }`, compare: `compare?tables=${ digests.slice( 0, 3 ) }`, viewer: `viewer?table=${ digests[ 0 ] }${ PICTURES ? '' : '&show=model' }`, nowhere: 'nowhere' };
-	const violations = [];
+	const pages = { tables: 'tables', table: `tables/${ digests[ 0 ] }`, lookup: `tables/${ lookup }`, jobs: 'jobs', job: `jobs/${ failed }`, new: 'new', faults: `new?${ new URLSearchParams( { recipe: bad } ) }`, compare: `compare?tables=${ digests.slice( 0, 3 ) }`, mixed: `compare?tables=${ digests[ 0 ] },${ sheen }`, viewer: `viewer?table=${ digests[ 0 ] }${ PICTURES ? '' : '&show=model' }`, difference: 'viewer?show=difference&size=128&spp=16', nowhere: 'nowhere' };
 	const [ wide, small, moving ] = [ [], [], [] ];
 	let looked = 0;
 	for ( const colorScheme of [ 'light', 'dark' ] ) for ( const width of WIDTHS ) {
@@ -84,15 +104,13 @@ await withWorld( async ( { service, open } ) => {
 			// Waits for all pictures. For screenshots, it also waits for a complete reference in the viewer.
 			await page.locator( READY[ name ] ).first().waitFor();
 			await page.waitForFunction( ( samples ) => [ ...document.images ].every( ( { src, complete } ) => src && complete )
-				&& [ ...document.querySelectorAll( '.stage canvas' ) ].every( ( { dataset } ) => Number( dataset.samples ) >= samples ), PICTURES ? 1024 : 0 );
+				&& [ ...document.querySelectorAll( '.stage canvas' ) ].every( ( { dataset } ) => Number( dataset.samples ) >= samples ), PICTURES && name === 'viewer' ? 1024 : 0 );
 			const at = `${ name }, ${ width }, ${ colorScheme }`;
 			if ( await page.evaluate( () => document.documentElement.scrollWidth > window.innerWidth ) ) wide.push( at );
 			looked ++;
 			const { size, part } = await page.evaluate( text );
 			if ( size < LEAST[ width ] || part < 0.6 ) small.push( `${ at }: letters of ${ size } pixels, ${ Math.round( 100 * part ) } % of the width` );
 			if ( PICTURES ) await page.screenshot( { path: join( PICTURES, `${ name }-${ width }-${ colorScheme }.png` ), fullPage: true } );
-			// The accessibility rules do not depend on the width.
-			if ( width === WIDTHS[ 2 ] ) continue;
 			if ( reducedMotion === 'reduce' && name === 'viewer' ) {
 
 				await page.locator( '#view-light_picture' ).selectOption( 'disc' );
@@ -102,9 +120,7 @@ await withWorld( async ( { service, open } ) => {
 
 			const running = await page.evaluate( animations );
 			if ( reducedMotion === 'reduce' ? running : ! running ) moving.push( `${ at }: ${ running } animations` );
-			await page.evaluate( AXE );
-			const found = await page.evaluate( () => window.axe.run( document, { runOnly: [ 'wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa', 'best-practice' ] } ) );
-			for ( const { id, nodes } of found.violations ) violations.push( `${ at }: ${ id }: ${ nodes.map( ( { html } ) => html.slice( 0, 120 ) ).join( ' | ' ) }` );
+			violations.push( ...await broken( page, at ) );
 
 		}
 

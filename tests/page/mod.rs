@@ -367,6 +367,6 @@ fn looks_right_in_both_themes_at_every_width_and_below_a_prefix() {
     for faults in ["violations", "wide", "small", "moving"] {
         assert_eq!(seen[faults], json!([]), "{faults}");
     }
-    assert_eq!(seen["looked"], 60, "ten pages, three widths, two themes");
+    assert_eq!(seen["looked"], 96, "twelve pages, four widths, two themes");
     assert_eq!(seen["behind"], json!({ "link": "/tools/ltc/v1/tables/s", "status": 200 }));
 }

@@ -281,7 +281,7 @@ impl Composer<'_> {
 fn mean_error(errors: &[PanelError], width: u32) -> Picture {
     let mean = errors.iter().map(|error| error.mean_absolute).sum::<f64>() / errors.len() as f64;
     let mean = number(mean as f32);
-    let wordings = [format!("mean |difference| of radiance {mean}"), format!("mean |difference| {mean}"), mean];
+    let wordings = [format!("mean error of radiance {mean}"), format!("mean error {mean}"), mean];
     caption(width, &wordings.each_ref().map(String::as_str))
 }
 

@@ -44,8 +44,8 @@ export async function show( root, rest, parameters, signal ) {
 	const headings = COLUMNS.map( ( [ name, , title ], column ) => el( 'th', { scope: 'col', class: column ? 'number' : null }, el( 'button', { type: 'button', class: 'sort', title, onclick: () => sort( column ) }, name ) ) );
 	const outer = [ [ 'picture', 'Picture' ], [ 'choose', 'Compare' ] ].map( ( [ name, text ] ) => el( 'th', { scope: 'col', class: name }, hidden( text ) ) );
 	const list = el( 'table', { class: 'list' }, hidden( 'Tables', 'caption' ), el( 'thead', {}, el( 'tr', {}, outer[ 0 ], headings, outer[ 1 ] ) ), body );
-	fill( root, bar( 'Tables', count, el( 'label', { for: 'search', class: 'hidden' }, 'Search' ), search, compare ), list, pictures, more );
 	const pictures = muted( 'Pictures: a silver sphere under a rectangle, with alpha 0.5 and 0.1, or 0.2 for isotropic tables.' );
+	fill( root, bar( 'Tables', count, el( 'label', { for: 'search', class: 'hidden' }, 'Search' ), search, compare ), list, pictures, more );
 	let empty = null;
 
 	function sort( column ) {
