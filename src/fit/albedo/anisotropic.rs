@@ -4,8 +4,11 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::ggx::{RULES, powers, slopes};
-use crate::math::{exp, ln, sin_cos};
+use super::{
+    ggx::{powers, slopes},
+    quadrature::{RULES, asinh, sinh_cosh},
+};
+use crate::math::{ln, sin_cos};
 
 /// The numbers of azimuths are `FEWEST + MORE ln(1 / ratio)`. With the slopes of isotropic surfaces, values differ by
 /// about 5e-7 from those with 3,000 azimuths and 60 slopes at the hardest places, which are rough along x.
@@ -27,14 +30,13 @@ pub(super) fn anisotropic([alpha_x, alpha_y]: [f64; 2], wo: DVec3) -> [f64; 3] {
     let view = (1.0 + stretched * stretched).sqrt();
     let toward = if stretched > 1e-6 * alpha_x { [x / stretched, y / stretched] } else { [1.0, 0.0] };
     let tangent = stretched / alpha_x;
-    let widest = ln(tangent + (1.0 + tangent * tangent).sqrt());
+    let widest = asinh(tangent);
     // An even number, so no azimuth is opposite to that of the view, where `rest` is zero.
     let azimuths = 2 * (0.5 * (FEWEST + MORE * ln(alpha_x / alpha_y))).ceil() as usize;
     let mut sum = [0.0; 3];
     for i in 0..azimuths {
         let (sin_psi, cos_psi) = sin_cos(TAU * (i as f64 + 0.5) / azimuths as f64);
-        let grown = exp(widest * cos_psi);
-        let (sinh, cosh) = (0.5 * (grown - 1.0 / grown), 0.5 * (grown + 1.0 / grown));
+        let (sinh, cosh) = sinh_cosh(widest * cos_psi);
         let rest = ((tangent - sinh) * (tangent + sinh)).sqrt();
         let azimuth = widest * sin_psi.abs() * cosh / rest;
         // The azimuth of the normal, from that of the view.
@@ -47,10 +49,9 @@ pub(super) fn anisotropic([alpha_x, alpha_y]: [f64; 2], wo: DVec3) -> [f64; 3] {
         // The zeros of the light's cosine are R and -L. Their product is -1 / a.
         let far = (b.abs() + (b * b + a).sqrt()) / a;
         let [reach, lowest] = if b > 0.0 { [far, 1.0 / (a * far)] } else { [1.0 / (a * far), far] };
-        let length = ln(reach + (1.0 + reach * reach).sqrt());
+        let length = asinh(reach);
         let part = RULES[slopes(alpha_x, length)].integrate(0.0, length, |x| {
-            let grown = exp(x);
-            let (r, cosh) = (0.5 * (grown - 1.0 / grown), 0.5 * (grown + 1.0 / grown));
+            let (r, cosh) = sinh_cosh(x);
             let (p, q) = (slope_x * r, slope_y * r);
             let normal2 = 1.0 / (1.0 + p * p + q * q);
             let z = (cosine * a * (reach - r) * (lowest + r) * normal2).max(0.0);

@@ -2,15 +2,14 @@
 
 use std::{f64::consts::PI, sync::LazyLock};
 
-use super::quadrature::Rule;
+use super::quadrature::{RULES, asinh};
 use crate::math::{cos, exp, ln};
 
 /// The largest numbers of azimuths and slopes.
-pub(super) const MOST: [usize; 2] = [20, 28];
+const MOST: [usize; 2] = [20, 28];
 /// The largest number of slopes for surfaces with an alpha above [`ROUGH`].
 const MOST_ROUGH: f64 = 22.0;
 const ROUGH: f64 = 1.0 / 16.0;
-pub(super) static RULES: LazyLock<Vec<Rule>> = LazyLock::new(|| (0..=MOST[1]).map(Rule::new).collect());
 static COSINES: LazyLock<Vec<Vec<f64>>> = LazyLock::new(|| {
     let azimuths = |n: usize| (0..n).map(|i| cos(PI * (i as f64 + 0.5) / n as f64)).collect();
     (0..=MOST[0]).map(azimuths).collect()
@@ -59,7 +58,7 @@ pub(super) fn reflected<const N: usize>(
     let cosine = cosine.min(1.0 - 1e-12);
     let (alpha2, tangent) = (alpha * alpha, (1.0 - cosine * cosine).sqrt() / cosine);
     let view = (1.0 + alpha2 * tangent * tangent).sqrt();
-    let widest = ln(tangent + (1.0 + tangent * tangent).sqrt());
+    let widest = asinh(tangent);
     let cosines = &COSINES[if is_fine { MOST[0] } else { azimuths(widest) }];
     let mut sum = [0.0; N];
     for cos_psi in cosines {

@@ -6,8 +6,11 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::ggx::{RULES, reflected};
-use crate::math::{exp, ln, sin_cos};
+use super::{
+    ggx::reflected,
+    quadrature::{RULES, asinh, sinh_cosh},
+};
+use crate::math::sin_cos;
 
 /// The numbers of azimuths in each quarter, of slopes up to one, and of larger slopes. With them, the transmitted albedo
 /// differs by at most 3e-7 from that with 64, 160 and 48, at 400 places.
@@ -27,15 +30,6 @@ pub(super) fn dielectric(cosine: f64, eta: f64) -> f64 {
 pub(super) fn glass(eta: f64, alpha: f64, cosine: f64) -> [f64; 2] {
     let [reflected] = reflected(alpha, cosine, true, |weight, incident| [weight * dielectric(incident, eta)]);
     [reflected, transmitted(eta, alpha, cosine)]
-}
-
-fn asinh(x: f64) -> f64 {
-    ln(x + (1.0 + x * x).sqrt())
-}
-
-fn sinh_cosh(x: f64) -> (f64, f64) {
-    let grown = exp(x);
-    (0.5 * (grown - 1.0 / grown), 0.5 * (grown + 1.0 / grown))
 }
 
 /// As for the reflection, the integral runs over the slope of the normal in polar coordinates `r`, `phi`. All normals

@@ -19,5 +19,5 @@ mod tests;
 
 pub use axes::{CosineAxis, LutAxes, RoughnessAxis, Texels};
 pub use recipe::{DfgForm, LutKind, LutPrecision, LutRecipe, LutResolution};
-pub use report::{LutError, LutMap, LutReport, MeasuredLut};
+pub use report::{LutError, LutReport, MeasuredLut};
 pub use rows::{Lut, LutPlan, fit_lut};

@@ -9,16 +9,19 @@ use glam::DVec3;
 
 use crate::{
     brdf::Brdf,
-    math::{cos, sin_cos},
+    math::{cos, exp, ln, sin_cos},
 };
 
 /// The nodes and weights of a Gauss-Legendre rule on [0, 1].
 #[derive(Debug)]
 pub(super) struct Rule(Vec<[f64; 2]>);
 
+/// The rules by their number of nodes.
+pub(super) static RULES: LazyLock<Vec<Rule>> = LazyLock::new(|| (0..=MOST_NODES).map(Rule::new).collect());
+
 impl Rule {
     /// The rule with `n` nodes: Newton's iteration for the zeros of the Legendre polynomial.
-    pub(super) fn new(n: usize) -> Self {
+    fn new(n: usize) -> Self {
         let node = |i: usize| {
             let mut x = cos(PI * (i as f64 + 0.75) / (n as f64 + 0.5));
             let mut slope = 1.0;
@@ -55,13 +58,23 @@ impl Rule {
 
 /// The largest number of nodes for each angle of the light, between two kinks.
 pub(super) const MOST_NODES: usize = 40;
-static ANGLES: LazyLock<Vec<Rule>> = LazyLock::new(|| (0..=MOST_NODES).map(Rule::new).collect());
 
 /// The numbers of nodes for Charlie's distribution, which is narrow for smooth surfaces: polar angles, azimuths. At 150
 /// places from alpha .002 and cosine .001, values differ by less than 5e-6 from those with 80 nodes.
 pub(super) fn nodes_of_fibres(alpha: f64) -> [usize; 2] {
     let narrow = 1.0 / alpha.max(0.0049).sqrt();
     [20.0 + narrow, 8.0 + 2.2 * narrow].map(|n: f64| (n.ceil() as usize).min(MOST_NODES))
+}
+
+/// The inverse hyperbolic sine. Domain: `x` from 0.
+pub(super) fn asinh(x: f64) -> f64 {
+    ln(x + (1.0 + x * x).sqrt())
+}
+
+/// The hyperbolic sine and cosine.
+pub(super) fn sinh_cosh(x: f64) -> (f64, f64) {
+    let grown = exp(x);
+    (0.5 * (grown - 1.0 / grown), 0.5 * (grown + 1.0 / grown))
 }
 
 /// The directional albedo `int f(wo, wi) cos(theta_i) dwi` of an isotropic BRDF. Polar angle and azimuth of the light
@@ -73,9 +86,9 @@ pub(super) fn albedo(surface: &dyn Brdf, cos_theta_o: f64, [polar, azimuths]: [u
     let of_view = [theta_o].into_iter().filter(|theta| *theta > 1e-3 && *theta < FRAC_PI_2 - 1e-3);
     let thetas = sorted(bends.theta_i.iter().copied().chain(of_view), FRAC_PI_2);
     let phis = sorted(bends.phi.iter().copied(), PI);
-    let [sum] = over(&thetas, &ANGLES[polar], |theta| {
+    let [sum] = over(&thetas, &RULES[polar], |theta| {
         let (sin, cos) = sin_cos(theta);
-        let [around] = over(&phis, &ANGLES[azimuths], |phi| {
+        let [around] = over(&phis, &RULES[azimuths], |phi| {
             let (y, x) = sin_cos(phi);
             [surface.eval_cos(wo, DVec3::new(sin * x, sin * y, cos))]
         });

@@ -6,18 +6,23 @@ use serde::{Serialize, Serializer};
 
 use super::{
     anisotropic::anisotropic,
-    axes::{DOMAIN_COSINE, LEAST_ALPHA, LEAST_COSINE, LutAxes, Parameter, Texels},
+    axes::{ALPHA, Axis, Curve, INDEX, LutAxes, PHI, RATIO, THETA, Texels},
     ggx::ggx,
     glass::glass,
     quadrature::{MOST_NODES, albedo, nodes_of_fibres},
 };
 use crate::{
     brdf::BrdfKind,
-    layout::{Layout, Spacing},
     math::{atan2, direction, from_half_bits, half_bits_f64},
     named_list,
 };
 
+/// The smallest alpha of a value. Smoother surfaces have the value of this alpha.
+const LEAST_ALPHA: f64 = 1e-4;
+/// The smallest cosine of a value. Lower views have the value of this cosine.
+pub(super) const LEAST_COSINE: f64 = 1e-3;
+/// The smallest cosine of the domain in which errors are stated.
+const DOMAIN_COSINE: f64 = 0.01;
 /// The smallest alpha of the domain in which errors are stated, except for tables of kind `albedo`.
 const DOMAIN_ALPHA: f64 = 0.002;
 /// The smallest ratio of a value. Narrower surfaces have the value of this ratio.
@@ -202,24 +207,27 @@ impl LutRecipe {
         self.table.axes().iter().map(named).collect()
     }
 
-    /// The parameter of each axis and its texels. The last axis is the fastest.
-    pub(super) fn grid(&self) -> Vec<(Parameter, usize)> {
+    /// The axes, with places at the parameters that `places` chooses. The last axis is the fastest.
+    pub(super) fn grid(&self, places: impl Fn(&Axis) -> Vec<f64>) -> Vec<Axis> {
         let axes = self.axes.unwrap_or_default();
         // A furnace needs the albedo of all surfaces.
         let least = if self.table == LutKind::Albedo { LEAST_ALPHA } else { DOMAIN_ALPHA };
         let lowest = atan2((1.0 - DOMAIN_COSINE * DOMAIN_COSINE).sqrt(), DOMAIN_COSINE);
-        let reflected = Layout::Reflected.rules().spacing();
-        let parameter = |name: &&str| match *name {
-            "ior" => Parameter::Index,
-            "roughness" => Parameter::Roughness(axes.roughness, least),
-            "cos_theta" => Parameter::Cosine(axes.cos_theta),
-            "alpha" => Parameter::Spaced(reflected.alpha, 1.0, [DOMAIN_ALPHA, 1.0]),
-            "ratio" => Parameter::Spaced(reflected.ratio, 1.0, [LEAST_RATIO, 1.0]),
-            "theta" => Parameter::Spaced(reflected.theta, 1.0, [0.0, lowest]),
-            _ => Parameter::Spaced(Spacing::Even, FRAC_PI_2, [0.0, FRAC_PI_2]),
+        let axis = |(name, texels): (&&'static str, &u32)| {
+            let (curve, domain): (Curve, _) = match *name {
+                "ior" => (INDEX, [1.0, 3.0]),
+                "roughness" => (axes.roughness.curve(), [least, 1.0]),
+                "cos_theta" => (axes.cos_theta.curve(), [DOMAIN_COSINE, 1.0]),
+                "alpha" => (ALPHA, [DOMAIN_ALPHA, 1.0]),
+                "ratio" => (RATIO, [LEAST_RATIO, 1.0]),
+                "theta" => (THETA, [0.0, lowest]),
+                _ => (PHI, [0.0, FRAC_PI_2]),
+            };
+            let mut axis = Axis::new(name, curve, domain, self.texels(), *texels as usize);
+            axis.places = places(&axis);
+            axis
         };
-        let texels = self.resolution.texels().iter().map(|n| *n as usize);
-        self.table.axes().iter().map(parameter).zip(texels).collect()
+        self.table.axes().iter().zip(self.resolution.texels()).map(axis).collect()
     }
 
     /// The names of the channels.
@@ -241,25 +249,26 @@ impl LutRecipe {
     /// If `place` has fewer numbers than the table has axes.
     #[must_use]
     pub fn truth(&self, place: &[f64]) -> [f64; 3] {
+        let alpha = |i: usize| place[i].max(LEAST_ALPHA);
+        let cosine = |i: usize| place[i].max(LEAST_COSINE);
         let [total, bias, metal_bias] = match (self.table, self.brdf) {
             (LutKind::Transmission, _) => {
-                let [reflected, transmitted] = glass(place[0], place[1], place[2]);
+                let [reflected, transmitted] = glass(place[0], alpha(1), cosine(2));
                 return [reflected, transmitted, 0.0];
             }
             (LutKind::AnisotropicDfg, _) => {
-                let alpha = place[0].max(LEAST_ALPHA);
-                let alpha_y = (alpha * place[1].max(LEAST_RATIO)).max(LEAST_ALPHA);
+                let alpha_y = (alpha(0) * place[1].max(LEAST_RATIO)).max(LEAST_ALPHA);
                 let mut wo = direction(place[2], place[3]);
                 if wo.z < LEAST_COSINE {
                     wo = direction(atan2(1.0, LEAST_COSINE), place[3]);
                 }
-                anisotropic([alpha, alpha_y], wo)
+                anisotropic([alpha(0), alpha_y], wo)
             }
-            (_, BrdfKind::Ggx) => ggx(place[0], place[1]),
+            (_, BrdfKind::Ggx) => ggx(alpha(0), cosine(1)),
             (_, brdf) => {
                 let is_of_fibres = matches!(brdf, BrdfKind::Charlie | BrdfKind::CharlieNeubelt);
-                let nodes = if is_of_fibres { nodes_of_fibres(place[0]) } else { [MOST_NODES; 2] };
-                [albedo(&*brdf.surface([place[0]; 2]), place[1], nodes), 0.0, 0.0]
+                let nodes = if is_of_fibres { nodes_of_fibres(alpha(0)) } else { [MOST_NODES; 2] };
+                [albedo(&*brdf.surface([alpha(0); 2]), cosine(1), nodes), 0.0, 0.0]
             }
         };
         match self.form {
@@ -269,17 +278,13 @@ impl LutRecipe {
         }
     }
 
-    /// The values of the channels at the product of parameters on each axis.
-    pub(super) fn values<'a>(&'a self, parameters: &'a [Vec<f64>]) -> impl Iterator<Item = [f64; 3]> + 'a {
-        let grid = self.grid();
-        let count: usize = parameters.iter().map(Vec::len).product();
-        let mut place = vec![0.0; grid.len()];
-        (0..count).map(move |mut at| {
-            for (i, axis) in parameters.iter().enumerate().rev() {
-                place[i] = grid[i].0.value(axis[at % axis.len()]);
-                at /= axis.len();
-            }
-            self.truth(&place)
-        })
+    /// The values of the channels at a place of the grid. Places are row-major.
+    pub(super) fn values_at(&self, axes: &[Axis], mut index: usize) -> [f64; 3] {
+        let mut place = [0.0; 4];
+        for (value, axis) in place.iter_mut().zip(axes).rev() {
+            *value = axis.value(axis.places[index % axis.places.len()]);
+            index /= axis.places.len();
+        }
+        self.truth(&place)
     }
 }

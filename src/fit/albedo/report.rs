@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    axes::{Axis, Parameter},
+    axes::{Axis, count},
     recipe::{LutKind, LutPrecision, LutRecipe},
     rows::Lut,
     solve::Places,
@@ -39,24 +39,11 @@ pub struct LutReport {
     pub formats: Vec<(LutPrecision, LutError)>,
 }
 
-/// Values and errors of a channel at the places of a report, evenly spaced in the parameters of the axes.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LutMap {
-    /// The number of places in a row.
-    pub columns: usize,
-    /// The values.
-    pub values: Vec<f64>,
-    /// The absolute errors after linear filtering.
-    pub errors: Vec<f64>,
-}
-
 /// A recipe's values at the places of a report.
 #[derive(Debug)]
 pub struct MeasuredLut {
     recipe: LutRecipe,
     places: Places,
-    /// The number of places on the last axis that has more than one.
-    columns: usize,
     values: Vec<[f64; 3]>,
 }
 
@@ -70,43 +57,39 @@ impl MeasuredLut {
             (_, BrdfKind::Ggx) => PLACES[0],
             _ => PLACES[1],
         };
-        let even = |(parameter, texels): (Parameter, usize)| {
-            // Fine tables have more places than texels.
-            parameter.even(if recipe.table.axes().len() == 2 { count.max(texels * 5 / 4) } else { count })
-        };
-        Self::at(recipe, &recipe.grid().into_iter().map(even).collect::<Vec<_>>())
+        // Fine tables have more places than texels.
+        let is_flat = recipe.table.axes().len() == 2;
+        Self::at(recipe, |axis| axis.even(if is_flat { count.max(axis.texels * 5 / 4) } else { count }))
     }
 
-    /// Computes the values of the slice that pictures show, and the place of the slice: smoothness downwards and the view
-    /// to the right. Other axes have a parameter in the middle.
+    /// Computes the values of the slice that pictures show: a square, with smoothness downwards and the view to the right.
+    /// Other axes have a parameter in the middle.
     #[must_use]
     pub fn slice(recipe: &LutRecipe) -> Self {
-        let axes = recipe.grid().into_iter().zip(recipe.table.axes());
-        let parameters = axes.map(|((parameter, _), name)| match *name {
-            "ior" => vec![parameter.of(1.5)],
+        let count = if recipe.brdf == BrdfKind::Ggx { PLACES[0] } else { PLACES[1] };
+        Self::at(recipe, |axis| match axis.name {
+            "ior" => vec![axis.parameter(1.5)],
             "ratio" | "phi" => vec![0.5],
-            _ => parameter.even(if recipe.brdf == BrdfKind::Ggx { PLACES[0] } else { PLACES[1] }),
-        });
-        Self::at(recipe, &parameters.collect::<Vec<_>>())
+            _ => axis.even(count),
+        })
     }
 
-    fn at(recipe: &LutRecipe, parameters: &[Vec<f64>]) -> Self {
-        let first = parameters[0].par_iter();
-        let values = first.flat_map_iter(|x| {
-            let mut row = parameters.to_vec();
-            row[0] = vec![*x];
-            recipe.values(&row).collect::<Vec<_>>()
-        });
-        Self {
-            recipe: *recipe,
-            places: Places::new(&Axis::all(recipe.grid(), recipe.texels(), parameters)),
-            columns: parameters.iter().rev().map(Vec::len).find(|n| *n > 1).unwrap_or(1),
-            values: values.collect(),
-        }
+    /// Computes the values at places that `places` chooses on each axis.
+    pub(super) fn at(recipe: &LutRecipe, places: impl Fn(&Axis) -> Vec<f64>) -> Self {
+        let axes = recipe.grid(places);
+        let values = (0..count(&axes)).into_par_iter().map(|place| recipe.values_at(&axes, place)).collect();
+        Self { recipe: *recipe, places: Places::new(&axes), values }
+    }
+
+    /// The values of a channel at all places.
+    #[must_use]
+    pub fn values(&self, channel: usize) -> Vec<f64> {
+        self.values.iter().map(|values| values[channel]).collect()
     }
 
     /// The absolute errors of a channel at all places. Domain: texels of the recipe's resolution.
-    fn errors(&self, texels: &[f32], channel: usize) -> Vec<f64> {
+    #[must_use]
+    pub fn errors(&self, texels: &[f32], channel: usize) -> Vec<f64> {
         let channels = self.recipe.channels().len();
         let texels: Vec<f64> = texels.iter().skip(channel).step_by(channels).map(|x| f64::from(*x)).collect();
         let found = self.places.filtered(&texels).zip(&self.values);
@@ -128,22 +111,11 @@ impl MeasuredLut {
         }
     }
 
-    /// The values and errors of one channel, and the number of places in a row. Rows start with smooth surfaces.
-    #[must_use]
-    pub fn map(&self, lut: &Lut, channel: usize) -> LutMap {
-        LutMap {
-            columns: self.columns,
-            values: self.values.iter().map(|values| values[channel]).collect(),
-            errors: self.errors(&lut.texels, channel),
-        }
-    }
-
     /// The report of a table.
     #[must_use]
     pub fn report(&self, lut: &Lut) -> LutReport {
         let recipe = &self.recipe;
-        let texels = |(_, n): (Parameter, usize)| (0..n).map(|i| recipe.texels().parameter(i, n)).collect();
-        let exact = Self::at(recipe, &recipe.grid().into_iter().map(texels).collect::<Vec<_>>());
+        let exact = Self::at(recipe, Axis::texel_centres);
         let numbers = |values: &[f64; 3]| values.map(|x| recipe.precision.round(x)).into_iter();
         let sampled = exact.values.iter().flat_map(|values| numbers(values).take(recipe.channels().len()));
         let of = |format: &LutPrecision| {

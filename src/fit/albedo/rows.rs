@@ -5,10 +5,10 @@ use std::ops::{ControlFlow, Range};
 use rayon::prelude::*;
 
 use super::{
-    axes::{Axis, FEWEST},
-    quadrature::Rule,
-    recipe::{LutKind, LutPrecision, LutRecipe},
-    solve::solve,
+    axes::{Axis, FEWEST, count},
+    quadrature::RULES,
+    recipe::{LEAST_COSINE, LutKind, LutPrecision, LutRecipe},
+    solve::{Places, solve},
 };
 use crate::{brdf::BrdfKind, expectation::Expectation, math::cbrt, run::Progress, shard::ShardBytesError};
 
@@ -27,8 +27,7 @@ fn seconds(recipe: &LutRecipe) -> f64 {
 #[derive(Debug, Clone)]
 pub struct LutPlan {
     recipe: LutRecipe,
-    /// The parameters of the places on each axis.
-    places: Vec<Vec<f64>>,
+    axes: Vec<Axis>,
 }
 
 impl LutRecipe {
@@ -49,7 +48,7 @@ impl LutRecipe {
             _ => 0.16 / texels,
         };
         let bytes = width * self.entries() * self.channels().len() as u64;
-        let seconds = seconds(self) * LutPlan::new(self).places() as f64;
+        let seconds = seconds(self) * count(&LutPlan::new(self).axes) as f64;
         Expectation { seconds, error: error.max(least_error), bytes }
     }
 }
@@ -68,27 +67,20 @@ impl LutPlan {
     /// The plan of a recipe. Each texel has several places on each axis.
     #[must_use]
     pub fn new(recipe: &LutRecipe) -> Self {
-        let grid = recipe.grid();
-        let most = grid.iter().map(|(_, texels)| *texels).max().unwrap_or(1);
-        let per_texel = match (grid.len(), recipe.brdf) {
+        let most = recipe.resolution.texels().iter().max().map_or(1, |texels| *texels as usize);
+        let per_texel = match (recipe.table.axes().len(), recipe.brdf) {
             (2, BrdfKind::Ggx) => FEWEST * (128 / most).clamp(1, 4),
             // These values take longer.
             (2, _) => (128 / most).clamp(1, 8),
             _ => FEWEST,
         };
-        let places = grid.iter().map(|(parameter, texels)| parameter.places(recipe.texels(), *texels, per_texel));
-        Self { recipe: *recipe, places: places.collect() }
+        Self { recipe: *recipe, axes: recipe.grid(|axis| axis.fit_places(per_texel)) }
     }
 
     /// The recipe of the plan.
     #[must_use]
     pub fn recipe(&self) -> &LutRecipe {
         &self.recipe
-    }
-
-    /// The number of places at which values are computed.
-    pub(super) fn places(&self) -> usize {
-        self.places.iter().map(Vec::len).product()
     }
 
     /// The number of shards, one for each texel on the first axis.
@@ -99,18 +91,17 @@ impl LutPlan {
 
     /// The places on the first axis that belong to a shard.
     fn rows(&self, shard: u32) -> Range<usize> {
-        let start = |shard: u32| shard as usize * self.places[0].len() / self.shards() as usize;
+        let start = |shard: u32| shard as usize * self.axes[0].places.len() / self.shards() as usize;
         start(shard)..start(shard + 1)
     }
 
     /// The values at the places of a shard, all channels of each place. `None` if `on_progress` stops it.
     pub fn fit_shard(&self, shard: u32, on_progress: &mut dyn FnMut(u64) -> ControlFlow<()>) -> Option<Vec<f64>> {
-        let channels = self.recipe.channels().len();
+        let (channels, others) = (self.recipe.channels().len(), count(&self.axes[1..]));
         let mut values = Vec::with_capacity(self.numbers(shard));
-        let mut places = self.places.clone();
         for row in self.rows(shard) {
-            places[0] = vec![self.places[0][row]];
-            values.extend(self.recipe.values(&places).flat_map(|of| of.into_iter().take(channels)));
+            let places = row * others..(row + 1) * others;
+            values.extend(places.flat_map(|i| self.recipe.values_at(&self.axes, i).into_iter().take(channels)));
             on_progress(0).is_continue().then_some(())?;
         }
         on_progress(self.recipe.entries() / u64::from(self.shards())).is_continue().then_some(values)
@@ -118,8 +109,7 @@ impl LutPlan {
 
     /// The numbers of a shard.
     fn numbers(&self, shard: u32) -> usize {
-        let others: usize = self.places[1..].iter().map(Vec::len).product();
-        self.rows(shard).len() * others * self.recipe.channels().len()
+        self.rows(shard).len() * count(&self.axes[1..]) * self.recipe.channels().len()
     }
 
     /// Decodes the result of a shard, which is little-endian f64.
@@ -140,17 +130,17 @@ impl LutPlan {
     pub fn assemble(&self, values: &[f64]) -> Lut {
         let recipe = &self.recipe;
         let channels = recipe.channels().len();
-        let axes = Axis::all(recipe.grid(), recipe.texels(), &self.places);
+        let places = Places::new(&self.axes);
         // A surface that reflects more than all light has no lost energy to return.
         let is_bounded = recipe.table == LutKind::Albedo || recipe.precision.steps().is_some();
         let truth = |channel: usize| -> Vec<f64> { values.iter().skip(channel).step_by(channels).copied().collect() };
         let solved: Vec<Vec<f64>> =
-            (0..channels).into_par_iter().map(|channel| solve(&axes, &truth(channel), is_bounded)).collect();
+            (0..channels).into_par_iter().map(|channel| solve(&places, &truth(channel), is_bounded)).collect();
         let texels = (0..solved[0].len()).flat_map(|texel| solved.iter().map(move |channel| channel[texel]));
         let texels: Vec<f32> = texels.map(|x| recipe.precision.round(x)).collect();
         let average = (recipe.table == LutKind::Albedo).then(|| {
             let rows = texels.chunks(texels.len() / recipe.resolution.texels()[0] as usize);
-            rows.map(|row| average(recipe, row) as f32).collect()
+            rows.map(|row| average(&self.axes[1], row) as f32).collect()
         });
         Lut { texels, average }
     }
@@ -158,14 +148,12 @@ impl LutPlan {
 
 /// The average of a row over the hemisphere, `2 int E(mu) mu dmu`, where the linear filter reads `E`. With this average
 /// a compensated surface returns all energy.
-fn average(recipe: &LutRecipe, row: &[f32]) -> f64 {
-    let axes = recipe.axes.unwrap_or_default();
+fn average(cosines: &Axis, row: &[f32]) -> f64 {
     let steps = 16 * row.len();
-    let rule = Rule::new(4);
     let part = |step: usize| {
-        let [from, to] = [step, step + 1].map(|i| axes.cos_theta.cosine(i as f64 / steps as f64));
-        let [part] = rule.integrate(from.min(to), from.max(to), |cosine| {
-            let (below, next) = axes.texels.filter(axes.cos_theta.of_cosine(cosine), row.len());
+        let [from, to] = [step, step + 1].map(|i| cosines.value(i as f64 / steps as f64).max(LEAST_COSINE));
+        let [part] = RULES[4].integrate(from.min(to), from.max(to), |cosine| {
+            let (below, next) = cosines.filter(cosines.parameter(cosine));
             [2.0 * cosine * (f64::from(row[below]) * (1.0 - next) + f64::from(row[below + 1]) * next)]
         });
         part

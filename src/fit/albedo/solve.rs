@@ -20,6 +20,8 @@ const STEPS: usize = 24;
 /// The places of a solve or of a report, and the linear filter at each.
 #[derive(Debug)]
 pub(super) struct Places {
+    /// The number of texels of the table.
+    count: usize,
     /// The first texel of each place.
     texels: Vec<usize>,
     /// The texels of a place, relative to its first.
@@ -41,17 +43,18 @@ impl Places {
             let mut next_filters = Vec::with_capacity(2 * filters.len() * axis.places.len());
             (texels, domain) = (vec![], vec![]);
             for (i, texel) in last_texels.iter().enumerate() {
-                for place in &axis.places {
-                    texels.push(texel * axis.texels + place.below);
-                    domain.push(last_domain[i] * place.weight);
-                    let last = &filters[i * corners..(i + 1) * corners];
-                    next_filters.extend(last.iter().flat_map(|x| [x * (1.0 - place.next), x * place.next]));
+                let last = &filters[i * corners..(i + 1) * corners];
+                for (place, x) in axis.places.iter().enumerate() {
+                    let (below, next) = axis.filter(*x);
+                    texels.push(texel * axis.texels + below);
+                    domain.push(last_domain[i] * axis.weight(place));
+                    next_filters.extend(last.iter().flat_map(|weight| [weight * (1.0 - next), weight * next]));
                 }
             }
             filters = next_filters;
         }
         let domain = domain.into_iter().map(|weight| weight.max(OUTSIDE)).collect();
-        Self { texels, offsets, filters, domain }
+        Self { count: axes.iter().map(|axis| axis.texels).product(), texels, offsets, filters, domain }
     }
 
     /// What the linear filter reads at each place.
@@ -73,43 +76,36 @@ impl Places {
     }
 }
 
-/// The texels for the values at the places of the axes. Both are row-major.
+/// The texels for the values at the places. Both are row-major.
 ///
 /// Minimises the weighted squares of `filtered - value` by conjugate gradients. If `is_bounded`, texels are in [0, 1].
-pub(super) fn solve(axes: &[Axis], values: &[f64], is_bounded: bool) -> Vec<f64> {
-    let places = Places::new(axes);
-    let count = axes.iter().map(|axis| axis.texels).product();
+pub(super) fn solve(places: &Places, values: &[f64], is_bounded: bool) -> Vec<f64> {
     let mut weights = places.domain.clone();
     // The first texels are averages of the values nearby.
-    let (mut texels, mut whole) = (vec![0.0; count], vec![1e-12; count]);
+    let (mut texels, mut whole) = (vec![0.0; places.count], vec![1e-12; places.count]);
     places.spread(values.iter().zip(&weights).map(|(value, weight)| value * weight), |filter| filter, &mut texels);
     places.spread(weights.iter().copied(), |filter| filter, &mut whole);
     texels.iter_mut().zip(&whole).for_each(|(texel, whole)| *texel /= whole);
-    let is_inside: Vec<bool> = places.domain.iter().map(|weight| *weight > OUTSIDE).collect();
-    let total = |weights: &[f64]| -> f64 {
-        weights.iter().zip(&is_inside).map(|(weight, is_inside)| if *is_inside { *weight } else { 0.0 }).sum()
-    };
+    let inside: Vec<usize> = (0..weights.len()).filter(|i| places.domain[*i] > OUTSIDE).collect();
+    let total = |weights: &[f64]| -> f64 { inside.iter().map(|i| weights[*i]).sum() };
     let whole = total(&weights);
-    for round in 0..if count > MANY_TEXELS { FEW_ROUNDS } else { ROUNDS } {
+    for round in 0..if places.count > MANY_TEXELS { FEW_ROUNDS } else { ROUNDS } {
         if round > 0 {
             let errors: Vec<f64> =
                 places.filtered(&texels).zip(values).map(|(found, value)| (found - value).abs()).collect();
-            let inside = errors.iter().zip(&is_inside).filter(|(_, is_inside)| **is_inside);
-            let largest = inside.map(|(error, _)| *error).fold(1e-9, f64::max);
-            for i in (0..errors.len()).filter(|i| is_inside[*i]) {
+            let largest = inside.iter().map(|i| errors[*i]).fold(1e-9, f64::max);
+            for &i in &inside {
                 let relative = errors[i] / largest;
                 weights[i] *= 1.0 + GROWTH * relative * relative;
             }
             let scale = whole / total(&weights);
-            for i in (0..errors.len()).filter(|i| is_inside[*i]) {
+            for &i in &inside {
                 weights[i] = (weights[i] * scale).max(LEAST_WEIGHT * places.domain[i]);
             }
         }
-        descend(&mut texels, &places, values, &weights, if round == 0 { 2 * STEPS } else { STEPS });
+        descend(&mut texels, places, values, &weights, if round == 0 { 2 * STEPS } else { STEPS });
         if is_bounded {
-            for texel in &mut texels {
-                *texel = texel.clamp(0.0, 1.0);
-            }
+            texels.iter_mut().for_each(|texel| *texel = texel.clamp(0.0, 1.0));
         }
     }
     texels

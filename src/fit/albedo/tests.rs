@@ -209,23 +209,28 @@ fn filtered_errors_are_within_their_limits() {
 
 #[test]
 fn tables_of_more_axes_have_the_expected_error() {
-    for (table, texels, mean, max) in
-        [(LutKind::Transmission, 16, 0.001, 0.08), (LutKind::AnisotropicDfg, 8, 0.004, 0.12)]
+    for (table, texels, places, mean, max) in
+        [(LutKind::Transmission, 10, 13, 0.003, 0.12), (LutKind::AnisotropicDfg, 5, 4, 0.012, 0.12)]
     {
         let recipe = recipe(table, texels);
-        let report = MeasuredLut::new(&recipe).report(&fitted(&recipe));
+        // These values take long, so there are fewer texels and places than usual. The ends of the axes then count more.
+        let report = MeasuredLut::at(&recipe, |axis| axis.even(places)).report(&fitted(&recipe));
         assert!(report.stored.mean < mean && report.stored.max < max, "{table}: {report:?}");
         assert!(report.stored.mean < report.sampled.mean, "{table}: {report:?}");
         let ratio = report.stored.mean / recipe.expectation().error;
-        assert!((0.7..1.4).contains(&ratio), "{table}: the expected error is wrong by {ratio}");
+        assert!((0.7..1.7).contains(&ratio), "{table}: the expected error is wrong by {ratio}");
     }
 }
 
 #[test]
 fn a_white_furnace_with_the_albedo_table_returns_all_energy() {
+    let recipe = recipe(LutKind::Albedo, 64);
+    let plan = LutPlan::new(&recipe);
+    let shard = |i| plan.fit_shard(i, &mut |_| ControlFlow::Continue(())).expect("nothing stops it");
+    let values: Vec<f64> = (0..plan.shards()).flat_map(shard).collect();
     for precision in [LutPrecision::F32, LutPrecision::F16] {
-        let recipe = LutRecipe { precision, ..recipe(LutKind::Albedo, 64) };
-        let worst = furnace(&recipe, &fitted(&recipe));
+        let recipe = LutRecipe { precision, ..recipe };
+        let worst = furnace(&recipe, &LutPlan::new(&recipe).assemble(&values));
         assert!(worst < 0.001, "{precision}: {worst}");
     }
 }
@@ -233,35 +238,33 @@ fn a_white_furnace_with_the_albedo_table_returns_all_energy() {
 /// The largest change of energy of a white metal, with the compensation of Kulla and Conty as shaders compute it.
 fn furnace(recipe: &LutRecipe, lut: &Lut) -> f64 {
     let average = lut.average.as_ref().expect("an albedo table has averages");
-    let size = 64;
-    let read = |texels: &[f32], [row, down]: [f64; 2], [column, right]: [f64; 2]| {
-        let at = |i: f64, j: f64| f64::from(texels[i as usize * size + j as usize]);
-        (at(row, column) * (1.0 - right) + at(row, column + 1.0) * right) * (1.0 - down)
-            + (at(row + 1.0, column) * (1.0 - right) + at(row + 1.0, column + 1.0) * right) * down
-    };
-    let place = |x: f64| {
-        let (below, next) = recipe.texels().filter(x, size);
-        [below as f64, next]
+    let axes = recipe.grid(|_| vec![]);
+    let [roughness, cosines] = axes.as_slice() else { panic!("two axes") };
+    // The filter of one axis between two rows.
+    let read = |row: usize, (below, next): (usize, f64)| {
+        let at = |i: usize| f64::from(lut.texels[row * cosines.texels + i]);
+        at(below) * (1.0 - next) + at(below + 1) * next
     };
     let mut worst = 0.0_f64;
     for [x, y] in Lattice::new(1500, [0.3, 0.1]).points() {
         // All roughnesses, and views from a cosine of .01.
-        let view = LutAxes::default().cos_theta.of_cosine(0.01 + 0.99 * y);
-        let alpha = LutAxes::default().roughness.alpha(x);
-        let [row, down] = place(x);
-        let average = f64::from(average[row as usize]) * (1.0 - down) + f64::from(average[row as usize + 1]) * down;
+        let (cosine, (row, down)) = (0.01 + 0.99 * y, roughness.filter(x));
+        let mix = |above: f64, below: f64| above * (1.0 - down) + below * down;
+        let albedo = |cosine: f64| {
+            let place = cosines.filter(cosines.parameter(cosine));
+            mix(read(row, place), read(row + 1, place))
+        };
+        let average = mix(f64::from(average[row]), f64::from(average[row + 1]));
         // Kulla and Conty add (1 - E(o)) (1 - E(i)) / (pi (1 - average)); its albedo is (1 - E(o)) times this factor.
-        let lost = 1.0 - read(&lut.texels, [row, down], place(view));
         let steps = 400;
         let lights = (0..steps).map(|i| {
             // The variable is the root of the cosine.
             let u = (f64::from(i) + 0.5) / f64::from(steps);
-            let light = place(LutAxes::default().cos_theta.of_cosine(u * u));
-            4.0 * u * u * u * (1.0 - read(&lut.texels, [row, down], light)) / f64::from(steps)
+            4.0 * u * u * u * (1.0 - albedo(u * u)) / f64::from(steps)
         });
         let factor = lights.sum::<f64>() / (1.0 - average).max(1e-6);
-        let [single, ..] = recipe.truth(&[alpha, LutAxes::default().cos_theta.cosine(view)]);
-        worst = worst.max((single + lost * factor - 1.0).abs());
+        let [single, ..] = recipe.truth(&[roughness.value(x), cosine]);
+        worst = worst.max((single + (1.0 - albedo(cosine)) * factor - 1.0).abs());
     }
     worst
 }

@@ -1,7 +1,7 @@
 //! The values and errors of a lookup table.
 
 use crate::picture::{Panel, Picture, bar, colour, grid, headed};
-use ltcforge_fit::albedo::{Lut, LutMap, LutRecipe, MeasuredLut};
+use ltcforge_fit::albedo::{Lut, LutRecipe, MeasuredLut};
 
 /// The side of a map in pixels.
 const SIDE: u32 = 260;
@@ -11,20 +11,20 @@ const SIDE: u32 = 260;
 #[must_use]
 pub fn draw_lut(recipe: &LutRecipe, lut: &Lut, name: &str) -> Picture {
     let measured = MeasuredLut::slice(recipe);
-    let maps = recipe.channels().iter().enumerate().map(|(i, channel)| (*channel, measured.map(lut, i)));
-    let maps: Vec<(String, LutMap)> = maps.map(|(channel, map)| (format!("{channel}, error"), map)).collect();
-    let panels = maps.iter().flat_map(|(title, map)| {
-        let worst = map.errors.iter().fold(1e-12_f64, |worst, x| worst.max(*x));
-        let values = square(map, &map.values, &|x| x as f32);
-        let errors = square(map, &map.errors, &|x| (x / worst) as f32);
-        let ends = format!("{worst:.5}");
+    let channels = recipe.channels();
+    let titles: Vec<String> = channels.iter().map(|channel| format!("{channel}, error")).collect();
+    let panels = (0..channels.len()).flat_map(|i| {
+        let errors = measured.errors(&lut.texels, i);
+        let worst = errors.iter().copied().fold(1e-12, f64::max);
+        let end = format!("{worst:.5}");
+        let values = square(&measured.values(i), 1.0);
         [
+            Panel { title: channels[i], picture: values, foot: bar(SIDE, colour, ["0", "1"], &[""]) },
             Panel {
-                title: title.trim_end_matches(", error"),
-                picture: values,
-                foot: bar(SIDE, colour, ["0", "1"], &[""]),
+                title: &titles[i],
+                picture: square(&errors, worst),
+                foot: bar(SIDE, colour, ["0", &end], &["linear"]),
             },
-            Panel { title, picture: errors, foot: bar(SIDE, colour, ["0", &ends], &["linear"]) },
         ]
     });
     let short = format!("table {} of {}", recipe.table, recipe.brdf);
@@ -38,14 +38,14 @@ pub fn draw_lut(recipe: &LutRecipe, lut: &Lut, name: &str) -> Picture {
     headed(&[&[&at, &short], &[&how]], &grid(&panels.collect::<Vec<_>>(), 2))
 }
 
-/// The nearest place at each pixel, smooth surfaces at the bottom.
-fn square(map: &LutMap, numbers: &[f64], amount: &dyn Fn(f64) -> f32) -> Picture {
-    let rows = numbers.len() / map.columns;
+/// The nearest place of a square slice at each pixel, smooth surfaces at the bottom. `most` has the last colour.
+fn square(numbers: &[f64], most: f64) -> Picture {
+    let count = numbers.len().isqrt();
     let mut picture = Picture::filled(SIDE, SIDE, [0; 3]);
-    let place = |pixel: u32, count: usize| (pixel as usize * count) / SIDE as usize;
+    let place = |pixel: u32| pixel as usize * count / SIDE as usize;
     for (y, x) in (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (y, x))) {
-        let number = numbers[place(SIDE - 1 - y, rows) * map.columns + place(x, map.columns)];
-        picture.put(&Picture::filled(1, 1, colour(amount(number))), x, y);
+        let number = numbers[place(SIDE - 1 - y) * count + place(x)];
+        picture.put(&Picture::filled(1, 1, colour((number / most) as f32)), x, y);
     }
     picture
 }
