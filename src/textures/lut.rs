@@ -6,8 +6,8 @@ use std::{fmt, ops::ControlFlow::Continue, str::FromStr};
 
 pub use self::engines::LutEngine;
 use super::{
-    About, Bundle, Engine, TextureContainer, TextureFileError, containers::Stored, containers::stored, engines::file,
-    export::MANIFEST_KEY, rounding::RoundingError, texture::Texture,
+    About, Bundle, TextureContainer, TextureFile, TextureFileError, export::MANIFEST_KEY, rounding::RoundingError,
+    texture::Texture,
 };
 use ltcforge_files::{container::LutFile, digest::Digest, recipe_document};
 use ltcforge_fit::{
@@ -52,19 +52,9 @@ pub enum LutExportError {
         /// The kind of the table.
         table: LutKind,
     },
-    /// The engine has no lookup tables.
+    /// The name is not an export of lookup tables. Most engines have one.
     #[error(
-        "{engine} loads no lookup table; engines that do: {}; other formats: {}",
-        listed(LutEngine::ALL),
-        formats()
-    )]
-    NoTable {
-        /// The engine.
-        engine: Engine,
-    },
-    /// The name is not an export of lookup tables.
-    #[error(
-        "«{}» is not an export of a lookup table; engines: {}; containers: {}; over HTTP, a container except png has a precision, such as ktx2.f16",
+        "«{}» loads no lookup table; engines that do: {}; other formats: {}; over HTTP, a format except png has a precision, such as ktx2.f16",
         .0.escape_debug(), listed(LutEngine::ALL), formats()
     )]
     Unknown(String),
@@ -103,9 +93,6 @@ impl FromStr for LutExport {
     fn from_str(text: &str) -> Result<Self, LutExportError> {
         if let Some(engine) = LutEngine::from_name(text) {
             return Ok(Self::Engine(engine));
-        }
-        if let Some(engine) = Engine::from_name(text) {
-            return Err(LutExportError::NoTable { engine });
         }
         if text == PNG {
             return Ok(Self::Png);
@@ -181,7 +168,7 @@ fn plain(
     about: &About,
 ) -> Result<Bundle, LutExportError> {
     let name = recipe.table.name();
-    let mut files = container.files(name, &[texture(name, recipe, lut)?], precision, about)?;
+    let mut files = container.files(name, &[texture(name, recipe, lut.texels.clone())?], precision, about)?;
     if let Some(average) = &lut.average {
         // Halves near one are too coarse for the average.
         let size = [recipe.resolution.texels()[0], 1];
@@ -194,16 +181,16 @@ fn plain(
 /// Pictures of 8 or 16 bits: red, green and blue are the channels. The average of an albedo is a file of 32-bit numbers.
 fn pictures(recipe: &LutRecipe, lut: &Lut) -> Bundle {
     let name = recipe.table.name();
-    let channels = recipe.channels().len();
     let texel = |texel: &[f32]| [0, 1, 2].map(|i| texel.get(i).copied().unwrap_or(0.0));
-    let rgb: Vec<f32> = lut.texels.chunks(channels).flat_map(texel).collect();
-    let bytes: Vec<u8> = match recipe.precision {
-        LutPrecision::Rgba8 => rgb.iter().map(|x| (x.clamp(0.0, 1.0) * 255.0).round() as u8).collect(),
-        _ => rgb.iter().flat_map(|x| ((x.clamp(0.0, 1.0) * 65_535.0).round() as u16).to_be_bytes()).collect(),
+    let numbers = lut.texels.chunks(recipe.channels().len()).flat_map(texel);
+    let (depth, bytes) = match recipe.precision {
+        LutPrecision::Rgba8 => (png::BitDepth::Eight, numbers.map(byte).collect()),
+        _ => {
+            let words = numbers.map(|x| (x.clamp(0.0, 1.0) * 65_535.0).round() as u16);
+            (png::BitDepth::Sixteen, words.flat_map(u16::to_be_bytes).collect::<Vec<u8>>())
+        }
     };
-    let depth = if recipe.precision == LutPrecision::Rgba8 { png::BitDepth::Eight } else { png::BitDepth::Sixteen };
-    let size = flat(recipe);
-    let mut files = vec![unrounded(&format!("{name}.png"), engines::png(size, png::ColorType::Rgb, depth, &bytes))];
+    let mut files = vec![unrounded(&format!("{name}.png"), png(flat(recipe), png::ColorType::Rgb, depth, &bytes))];
     if let Some(average) = &lut.average {
         files.push(unrounded("average.bin", average.iter().flat_map(|x| x.to_le_bytes()).collect()));
     }
@@ -212,8 +199,25 @@ fn pictures(recipe: &LutRecipe, lut: &Lut) -> Bundle {
     Bundle { files, steps }
 }
 
-fn unrounded(path: &str, bytes: Vec<u8>) -> super::TextureFile {
-    super::TextureFile { path: path.to_owned(), bytes, rounding: RoundingError::default() }
+/// The nearest of 255 steps from 0 to 1.
+fn byte(x: f32) -> u8 {
+    (x.clamp(0.0, 1.0) * 255.0).round() as u8
+}
+
+/// A PNG without a colour space. Domain: bytes for all pixels.
+fn png([width, height]: [u32; 2], colour: png::ColorType, depth: png::BitDepth, bytes: &[u8]) -> Vec<u8> {
+    let mut out = vec![];
+    let mut encoder = png::Encoder::new(&mut out, width, height);
+    encoder.set_color(colour);
+    encoder.set_depth(depth);
+    // Writing to memory cannot fail, and the number of bytes is right.
+    let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(bytes));
+    debug_assert!(written.is_ok(), "{written:?}");
+    out
+}
+
+fn unrounded(path: &str, bytes: Vec<u8>) -> TextureFile {
+    TextureFile { path: path.to_owned(), bytes, rounding: RoundingError::default() }
 }
 
 /// How to sample a table with its own parameters.
@@ -242,17 +246,13 @@ fn flat(recipe: &LutRecipe) -> [u32; 2] {
     [texels[1], texels[0]]
 }
 
-fn texture(name: &str, recipe: &LutRecipe, lut: &Lut) -> Result<Texture, LutExportError> {
+fn texture(name: &str, recipe: &LutRecipe, texels: Vec<f32>) -> Result<Texture, TextureFileError> {
     let size = match *recipe.resolution.texels() {
         [alpha, ratio, theta, phi] => [phi, ratio * theta, alpha],
         [ior, roughness, cosine] => [cosine, roughness, ior],
         _ => [flat(recipe)[0], flat(recipe)[1], 1],
     };
-    Ok(Texture::new(name, size, 1, recipe.channels(), lut.texels.clone()).map_err(TextureFileError::from)?)
-}
-
-fn one(texture: &Texture, precision: Precision) -> Result<Stored<'_>, LutExportError> {
-    Ok(stored(std::slice::from_ref(texture), precision)?.pop().ok_or(TextureFileError::Empty)?)
+    Ok(Texture::new(name, size, 1, recipe.channels(), texels)?)
 }
 
 #[cfg(test)]

@@ -16,7 +16,6 @@ mod three;
 mod wgpu;
 
 use self::rules::Source;
-pub(super) use self::rules::file;
 use super::{about::About, bundle::Bundle, file::TextureFileError, texture::Texture};
 use ltcforge_fit::{BrdfKind, Table, named_list};
 

@@ -72,6 +72,6 @@ impl Source<'_> {
 }
 
 /// A file with these bytes, and the rounding errors of these textures.
-pub(crate) fn file(path: &str, bytes: Vec<u8>, stored: &[&Stored<'_>]) -> TextureFile {
+pub(super) fn file(path: &str, bytes: Vec<u8>, stored: &[&Stored<'_>]) -> TextureFile {
     TextureFile { path: path.to_owned(), bytes, rounding: rounding_of(stored.iter().copied()) }
 }

@@ -4,17 +4,17 @@
 //! HDRP, glTF-Sample-Renderer and Blender (2026). Godot and HDRP draw their tables when they start; their files
 //! have the numbers of these textures.
 
-use std::fmt::Write as _;
+use std::{fmt::Write as _, iter::repeat, slice};
 
 use ddsfile::{AlphaMode, D3D10ResourceDimension, Dds, DxgiFormat, NewDxgiParams};
 
 use super::{
     super::{
         About, Bundle, TextureFileError,
-        containers::{dx10, ktx2, numbers},
+        containers::{Stored, dx10, ktx2, numbers, stored},
         texture::Texture,
     },
-    LutExportError, file, fitted, flat, one, unrounded,
+    LutExportError, byte, fitted, png, texture, unrounded,
 };
 use half::f16;
 use ltcforge_fit::{
@@ -129,93 +129,75 @@ impl LutEngine {
         }
     }
 
-    /// The engine's files. `recipe` has the engine's parameters.
+    /// The engine's file and its steps. `recipe` has the engine's parameters.
     pub(super) fn bundle(self, recipe: &LutRecipe, lut: Lut, about: &About) -> Result<Bundle, LutExportError> {
-        let mut names = recipe.channels().to_vec();
-        let mut texels = lut.texels;
+        // The cosine is along x and roughness along y.
+        let mut texture = texture("dfg", recipe, lut.texels)?;
         if let Some((table, brdf)) = self.format().third.filter(|_| recipe.table == LutKind::Dfg) {
             let third = fitted(&LutRecipe { table, brdf, form: None, ..*recipe }).texels;
             // HDRP stores Burley's diffuse reflection, from .5 to 1.5, minus .5.
             let offset = if self == Self::Hdrp { 0.5 } else { 0.0 };
-            let both = texels.chunks(names.len()).zip(&third);
-            texels = both.flat_map(|(texel, third)| texel.iter().copied().chain([third - offset])).collect();
-            names.push(table.name());
+            texture = with_channel(texture, table.name(), third.iter().map(|x| x - offset));
         }
-        let texture = Image { size: flat(recipe), names, texels };
-        let (made, steps): (_, &[&str]) = match self {
+        let (path, bytes, steps): (_, _, &[&str]) = match self {
             Self::Three => (
-                three(&texture.transposed(), about)?,
+                "DFGLUTData.js",
+                three(&transposed(texture), about)?.into_bytes(),
                 &["Replace src/renderers/shaders/DFGLUTData.js in three.js's sources (0.185), and build it."],
             ),
-            Self::Bevy => {
-                let texture = texture.texture("dfg")?;
-                let stored = one(&texture, Precision::F16)?;
-                (
-                    file("dfg.ktx2", ktx2(&stored, true, about)?, &[&stored]),
-                    &[
-                        "Built in: replace crates/bevy_pbr/src/environment_map/dfg.ktx2 in Bevy's sources (feature dfg_lut).",
-                        "At run time: insert the handle of dfg.ktx2 as DfgLut { texture } into the render world.",
-                    ],
-                )
-            }
-            Self::Babylon => {
-                let rgbd: Vec<u8> = texture.texels.chunks(3).flat_map(rgbd).collect();
-                let bytes = png(texture.size, png::ColorType::Rgba, png::BitDepth::Eight, &rgbd);
-                (
-                    unrounded("environmentBRDF.png", bytes),
-                    &[
-                        "Before the first PBR material: const t = new BABYLON.Texture(\"environmentBRDF.png\", scene, true, false); t.isRGBD = true; t.wrapU = t.wrapV = BABYLON.Texture.CLAMP_ADDRESSMODE; scene.environmentBRDFTexture = t;",
-                        "Built in: replace the first PNG in packages/dev/core/src/Misc/brdfTextureTools.ts, in base64.",
-                    ],
-                )
-            }
-            Self::Godot => {
-                let opaque = Image {
-                    names: [texture.names.as_slice(), &["one"]].concat(),
-                    texels: texture.texels.chunks(3).flat_map(|x| [x[0], x[1], x[2], 1.0]).collect(),
-                    ..texture
-                };
+            Self::Bevy => (
+                "dfg.ktx2",
+                ktx2(&half(&texture)?, true, about)?,
+                &[
+                    "Built in: replace crates/bevy_pbr/src/environment_map/dfg.ktx2 in Bevy's sources (feature dfg_lut).",
+                    "At run time: insert the handle of dfg.ktx2 as DfgLut { texture } into the render world.",
+                ],
+            ),
+            Self::Babylon => (
+                "environmentBRDF.png",
+                picture(&texture, rgbd),
+                &[
+                    "Before the first PBR material: const t = new BABYLON.Texture(\"environmentBRDF.png\", scene, true, false); t.isRGBD = true; t.wrapU = t.wrapV = BABYLON.Texture.CLAMP_ADDRESSMODE; scene.environmentBRDFTexture = t;",
+                    "Built in: replace the first PNG in packages/dev/core/src/Misc/brdfTextureTools.ts, in base64.",
+                ],
+            ),
+            Self::Godot => (
+                "dfg_lut.dds",
                 // Rough surfaces come first.
-                let texture = opaque.flipped().texture("dfg_lut")?;
-                let stored = one(&texture, Precision::F16)?;
-                (
-                    file("dfg_lut.dds", dx10(&stored)?, &[&stored]),
-                    &[
-                        "Godot draws this texture when it starts: in scene_shader_forward_clustered.cpp, fill dfg_lut.texture from dfg_lut.dds instead of running integrate_dfg.glsl.",
-                    ],
-                )
-            }
+                dx10(&half(&flipped(with_channel(texture, "one", repeat(1.0))))?)?,
+                &[
+                    "Godot draws this texture when it starts: in scene_shader_forward_clustered.cpp, fill dfg_lut.texture from dfg_lut.dds instead of running integrate_dfg.glsl.",
+                ],
+            ),
             Self::Filament => (
-                unrounded("dfg.inc", include(&texture, about).into_bytes()),
+                "dfg.inc",
+                include(&texture, about).into_bytes(),
                 &[
                     "Filament's build runs cmgen --ibl-dfg=dfg.inc: replace the generated dfg.inc (generated/data) and build again.",
                     "Mobile builds use 64 x 64 texels: set DFG_LUT_SIZE=128.",
                 ],
             ),
             Self::Hdrp => (
-                unrounded("PreIntegratedFGD_GGXDisneyDiffuse.dds", ten_bits(&texture)?),
+                "PreIntegratedFGD_GGXDisneyDiffuse.dds",
+                ten_bits(&texture)?,
                 &[
                     "HDRP draws this texture when it starts: in PreIntegratedFGD.RenderInit, copy these texels to m_PreIntegratedFGD[0] instead of calling DrawFullScreen.",
                 ],
             ),
-            Self::GltfSampleViewer => {
-                let texel = |x: &[f32]| match *x {
-                    [e] => [e, e, e, 1.0],
-                    _ => [x[0], x[1], 0.0, 1.0],
-                };
-                let texels = texture.texels.chunks(texture.names.len()).flat_map(texel);
-                let bytes: Vec<u8> = texels.map(|x| (x.clamp(0.0, 1.0) * 255.0).round() as u8).collect();
-                let path = if recipe.table == LutKind::Sheen { "lut_sheen_E.png" } else { "lut_ggx.png" };
-                (
-                    unrounded(path, png(texture.size, png::ColorType::Rgba, png::BitDepth::Eight, &bytes)),
-                    &[
-                        "Put the file into assets/images and pass its path to ResourceLoader.loadEnvironment, as lut_ggx_file or lut_sheen_E_file.",
-                        "The present viewer draws the GGX table itself: in ibl_sampler.js, load lut_ggx.png instead of calling sampleGGXLut.",
-                    ],
-                )
-            }
+            Self::GltfSampleViewer => (
+                if recipe.table == LutKind::Sheen { "lut_sheen_E.png" } else { "lut_ggx.png" },
+                picture(&texture, |texel| match *texel {
+                    [e] => [byte(e), byte(e), byte(e), 255],
+                    _ => [byte(texel[0]), byte(texel[1]), 0, 255],
+                }),
+                &[
+                    "Put the file into assets/images and pass its path to ResourceLoader.loadEnvironment, as lut_ggx_file or lut_sheen_E_file.",
+                    "The present viewer draws the GGX table itself: in ibl_sampler.js, load lut_ggx.png instead of calling sampleGGXLut.",
+                ],
+            ),
             Self::Blender => (
-                unrounded("brdf_ggx.inc", array(&texture.transposed(), about).into_bytes()),
+                "brdf_ggx.inc",
+                array(&transposed(texture), about).into_bytes(),
                 &[
                     "Replace the array brdf_ggx in source/blender/draw/engines/eevee/eevee_lut.cc, and build Blender.",
                     "Versions before the F82 tint have [64][64][2]: leave out each third number.",
@@ -223,59 +205,54 @@ impl LutEngine {
             ),
         };
         let steps = steps.iter().map(|&step| step.to_owned()).chain([self.area_lights()]);
-        Ok(Bundle { files: vec![made], steps: steps.collect() })
+        Ok(Bundle { files: vec![unrounded(path, bytes)], steps: steps.collect() })
     }
 }
 
-/// Texels, x fastest. The cosine is along x and roughness along y.
-struct Image {
-    size: [u32; 2],
-    names: Vec<&'static str>,
-    texels: Vec<f32>,
+/// The texture with one more channel.
+fn with_channel(mut texture: Texture, name: &str, numbers: impl IntoIterator<Item = f32>) -> Texture {
+    let texels = texture.texels.chunks(texture.channels.len()).zip(numbers);
+    texture.texels = texels.flat_map(|(texel, number)| texel.iter().copied().chain([number])).collect();
+    texture.channels.push(name.to_owned());
+    texture
 }
 
-impl Image {
-    /// Roughness along x.
-    fn transposed(self) -> Self {
-        let ([width, height], n) = (self.size.map(|n| n as usize), self.names.len());
-        let order = (0..width).flat_map(|x| (0..height).map(move |y| (y * width + x) * n));
-        let texels = order.flat_map(|at| self.texels[at..at + n].iter().copied()).collect();
-        Self { size: [self.size[1], self.size[0]], texels, ..self }
-    }
+/// The texture with roughness along x.
+fn transposed(texture: Texture) -> Texture {
+    let (width, n) = (texture.width as usize, texture.channels.len());
+    let columns = (0..width).flat_map(|x| texture.texels.chunks(n).skip(x).step_by(width));
+    let texels = columns.flatten().copied().collect();
+    Texture { width: texture.height, height: texture.width, texels, ..texture }
+}
 
-    /// The last row first.
-    fn flipped(self) -> Self {
-        let rows = self.texels.chunks(self.size[0] as usize * self.names.len());
-        Self { texels: rows.rev().flatten().copied().collect(), ..self }
-    }
+/// The texture with its last row first.
+fn flipped(texture: Texture) -> Texture {
+    let rows = texture.texels.chunks(texture.width as usize * texture.channels.len());
+    Texture { texels: rows.rev().flatten().copied().collect(), ..texture }
+}
 
-    fn texture(self, name: &str) -> Result<Texture, TextureFileError> {
-        Ok(Texture::flat(name, self.size, &self.names, self.texels)?)
-    }
+/// A texture of halves.
+fn half(texture: &Texture) -> Result<Stored<'_>, TextureFileError> {
+    stored(slice::from_ref(texture), Precision::F16)?.pop().ok_or(TextureFileError::Empty)
 }
 
 /// `getDFGLUT` of three.js.
-fn three(image: &Image, about: &About) -> Result<super::super::TextureFile, LutExportError> {
-    let texture =
-        Image { size: image.size, names: image.names.clone(), texels: image.texels.clone() }.texture("dfg")?;
-    let stored = one(&texture, Precision::F16)?;
-    let [width, height] = image.size;
-    let mut text = about.comment();
-    // Writing to a String cannot fail.
-    let _ = write!(
-        text,
-        "\nimport {{ DataTexture }} from '../../textures/DataTexture.js';\n\
+fn three(texture: &Texture, about: &About) -> Result<String, TextureFileError> {
+    let numbers = numbers(&half(texture)?, |x| x.to_string());
+    Ok(format!(
+        "{}\nimport {{ DataTexture }} from '../../textures/DataTexture.js';\n\
          import {{ RGFormat, HalfFloatType, LinearFilter, ClampToEdgeWrapping }} from '../../constants.js';\n\n\
-         const DATA = new Uint16Array( [\n{}] );\n\n\
+         const DATA = new Uint16Array( [\n{numbers}] );\n\n\
          let lut = null;\n\n\
          export function getDFGLUT() {{\n\n\
          \tif ( lut !== null ) return lut;\n\n\
-         \tlut = new DataTexture( DATA, {width}, {height}, RGFormat, HalfFloatType, undefined, ClampToEdgeWrapping, \
+         \tlut = new DataTexture( DATA, {}, {}, RGFormat, HalfFloatType, undefined, ClampToEdgeWrapping, \
          ClampToEdgeWrapping, LinearFilter, LinearFilter );\n\
          \tlut.name = 'DFG_LUT';\n\tlut.generateMipmaps = false;\n\tlut.needsUpdate = true;\n\treturn lut;\n\n}}\n",
-        numbers(&stored, |x| x.to_string())
-    );
-    Ok(file("DFGLUTData.js", text.into_bytes(), &[&stored]))
+        about.comment(),
+        texture.width,
+        texture.height
+    ))
 }
 
 /// A texel of RGBD: the colour is `(r, g, b)^2.2 / d`.
@@ -287,10 +264,16 @@ fn rgbd(texel: &[f32]) -> [u8; 4] {
     [byte(texel[0]), byte(texel[1]), byte(texel[2]), (divisor * 255.0).round() as u8]
 }
 
+/// A picture of 8 bits from all channels of each texel.
+fn picture(texture: &Texture, of: impl Fn(&[f32]) -> [u8; 4]) -> Vec<u8> {
+    let pixels: Vec<u8> = texture.texels.chunks(texture.channels.len()).flat_map(of).collect();
+    png([texture.width, texture.height], png::ColorType::Rgba, png::BitDepth::Eight, &pixels)
+}
+
 /// The halves as Filament's `cmgen` writes them.
-fn include(image: &Image, about: &About) -> String {
+fn include(texture: &Texture, about: &About) -> String {
     let mut text = about.comment();
-    for texels in image.texels.chunks(4 * image.names.len()) {
+    for texels in texture.texels.chunks(4 * texture.channels.len()) {
         let bits: Vec<String> = texels.iter().map(|x| format!("0x{:04x}", f16::from_f32_const(*x).to_bits())).collect();
         let _ = writeln!(text, "    {},", bits.join(", "));
     }
@@ -298,26 +281,23 @@ fn include(image: &Image, about: &About) -> String {
 }
 
 /// The array `brdf_ggx` of EEVEE.
-fn array(image: &Image, about: &About) -> String {
-    let ([width, height], n) = (image.size, image.names.len());
-    let mut text = format!("{}const float brdf_ggx[{height}][{width}][{n}] = {{\n", about.comment());
-    for row in image.texels.chunks(width as usize * n) {
-        let texels: Vec<String> = row
-            .chunks(n)
-            .map(|texel| format!("{{{}}}", texel.iter().map(|x| format!("{x:?}f")).collect::<Vec<_>>().join(", ")))
-            .collect();
-        let _ = writeln!(text, "    {{{}}},", texels.join(", "));
+fn array(texture: &Texture, about: &About) -> String {
+    let Texture { width, height, channels, .. } = texture;
+    let listed = |items: Vec<String>| format!("{{{}}}", items.join(", "));
+    let texel = |texel: &[f32]| listed(texel.iter().map(|x| format!("{x:?}f")).collect());
+    let mut text = format!("{}const float brdf_ggx[{height}][{width}][{}] = {{\n", about.comment(), channels.len());
+    for row in texture.texels.chunks(*width as usize * channels.len()) {
+        let _ = writeln!(text, "    {},", listed(row.chunks(channels.len()).map(texel).collect()));
     }
     text + "};\n"
 }
 
 /// A texture `R10G10B10A2_UNORM`.
-fn ten_bits(image: &Image) -> Result<Vec<u8>, TextureFileError> {
-    let [width, height] = image.size;
+fn ten_bits(texture: &Texture) -> Result<Vec<u8>, TextureFileError> {
     let fault = |error: ddsfile::Error| TextureFileError::Refused { container: "DDS", reason: error.to_string() };
     let mut dds = Dds::new_dxgi(NewDxgiParams {
-        height,
-        width,
+        height: texture.height,
+        width: texture.width,
         depth: None,
         format: DxgiFormat::R10G10B10A2_UNorm,
         mipmap_levels: None,
@@ -329,21 +309,9 @@ fn ten_bits(image: &Image) -> Result<Vec<u8>, TextureFileError> {
     })
     .map_err(fault)?;
     let bits = |x: f32| (x.clamp(0.0, 1.0) * 1023.0).round() as u32;
-    let texels = image.texels.chunks(3).map(|x| bits(x[0]) | bits(x[1]) << 10 | bits(x[2]) << 20 | 3 << 30);
+    let texels = texture.texels.chunks(3).map(|x| bits(x[0]) | bits(x[1]) << 10 | bits(x[2]) << 20 | 3 << 30);
     dds.data = texels.flat_map(u32::to_le_bytes).collect();
     let mut bytes = vec![];
     dds.write(&mut bytes).map_err(fault)?;
     Ok(bytes)
-}
-
-/// A PNG without a colour space. Domain: bytes for all pixels.
-pub(super) fn png([width, height]: [u32; 2], colour: png::ColorType, depth: png::BitDepth, bytes: &[u8]) -> Vec<u8> {
-    let mut out = vec![];
-    let mut encoder = png::Encoder::new(&mut out, width, height);
-    encoder.set_color(colour);
-    encoder.set_depth(depth);
-    // Writing to memory cannot fail, and the number of bytes is right.
-    let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(bytes));
-    debug_assert!(written.is_ok(), "{written:?}");
-    out
 }

@@ -3,6 +3,7 @@ use ltcforge_files::{
     recipe_document::{AnyRecipe, parse_any},
     tabulated::no_files,
 };
+use ltcforge_fit::albedo::{DfgForm, LutResolution};
 
 fn fitted(document: &str) -> LutFile {
     let Ok(AnyRecipe::Lut(recipe)) = parse_any(document.as_bytes(), 10_000, &no_files) else { panic!("a recipe") };
@@ -59,10 +60,12 @@ fn three_axes_make_a_volume_and_four_axes_make_a_volume_of_rows() {
     ] {
         let of = fitted(&format!(r#"{{"table": "{table}", "resolution": {axes}}}"#));
         for export in LutExport::all(&of.recipe) {
-            let bundle = export.bundle(&of, Digest::of(b"")).unwrap_or_else(|error| panic!("{export}: {error}"));
+            let LutExport::Textures { container, precision } = export else { panic!("{table} has {export}") };
+            // Not by `bundle`, which measures the table each time.
+            let bundle = plain(container, precision, &of.recipe, &of.lut, &About::default());
+            let files = bundle.unwrap_or_else(|error| panic!("{export}: {error}")).files;
             if export.to_string() == "ktx2.f16" {
-                let bytes = &bundle.files[0].bytes;
-                let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes"));
+                let word = |at: usize| u32::from_le_bytes(files[0].bytes[at..at + 4].try_into().expect("four bytes"));
                 // VK_FORMAT_R16G16_SFLOAT, width, height, depth.
                 assert_eq!((word(12), [word(20), word(24), word(28)]), (83, size), "{table}");
             }
@@ -108,80 +111,91 @@ fn pixels(bytes: &[u8]) -> (u32, Vec<u8>) {
 
 #[test]
 fn every_engine_gets_its_size_channels_and_format() {
-    let of = fitted(r#"{"table": "dfg", "resolution": {"roughness": 16, "cos_theta": 16}}"#);
-    for (engine, path) in [
-        (LutEngine::Godot, "dfg_lut.dds"),
-        (LutEngine::Filament, "dfg.inc"),
-        (LutEngine::Hdrp, "PreIntegratedFGD_GGXDisneyDiffuse.dds"),
-        (LutEngine::GltfSampleViewer, "lut_ggx.png"),
-        (LutEngine::Blender, "brdf_ggx.inc"),
+    let of = fitted(r#"{"table": "dfg", "resolution": {"roughness": 16, "cos_theta": 16}}"#).recipe;
+    for (engine, path, size) in [
+        (LutEngine::Babylon, "environmentBRDF.png", 256),
+        (LutEngine::Godot, "dfg_lut.dds", 128),
+        (LutEngine::Filament, "dfg.inc", 128),
+        (LutEngine::Hdrp, "PreIntegratedFGD_GGXDisneyDiffuse.dds", 64),
+        (LutEngine::GltfSampleViewer, "lut_ggx.png", 16),
+        (LutEngine::Blender, "brdf_ggx.inc", 64),
     ] {
-        let bundle = LutExport::Engine(engine).bundle(&of, Digest::of(b"")).expect("files");
+        let recipe = engine.recipe(&of).expect("the engine has this table");
+        assert_eq!(recipe.resolution.texels(), [size; 2], "{engine}");
+        // Fewer texels take less time.
+        const N: usize = 8;
+        let recipe = LutRecipe { resolution: LutResolution::new(recipe.table, |_| N as u32), ..recipe };
+        let bundle = engine.bundle(&recipe, super::fitted(&recipe), &About::default()).expect("files");
         let bytes = &bundle.files[0].bytes;
         assert_eq!(bundle.files[0].path, path);
+        assert!(!bundle.steps.is_empty());
         let text = || std::str::from_utf8(bytes).expect("text");
-        let [total, bias, _] = ltcforge_values(0.25, 0.5);
-        // The numbers of the texel at perceptual roughness 1/2 and cosine 1/2, in the engine's order.
-        let found: Vec<f64> = match engine {
+        // Bias and albedo of the texel at column 5 of the cosine and row 3 of roughness, in the engine's order.
+        let found: [f64; 2] = match engine {
+            LutEngine::Babylon => {
+                let (width, pixels) = pixels(bytes);
+                let texel = &pixels[4 * (3 * N + 5)..][..4];
+                assert_eq!((width as usize, pixels.len()), (N, 4 * N * N));
+                [0, 1].map(|i| (f64::from(texel[i]) / 255.0).powf(2.2) * 255.0 / f64::from(texel[3]))
+            }
             LutEngine::Godot => {
                 let half = |i: usize| {
-                    let at = 148 + 8 * (63 * 128 + 64) + 2 * i;
+                    let at = 148 + 8 * ((N - 1 - 3) * N + 5) + 2 * i;
                     f64::from(half::f16::from_le_bytes([bytes[at], bytes[at + 1]]))
                 };
-                assert_eq!((bytes.len(), half(3)), (148 + 128 * 128 * 8, 1.0));
-                (0..2).map(half).collect()
+                assert_eq!((bytes.len(), half(3)), (148 + N * N * 8, 1.0));
+                [half(0), half(1)]
             }
             LutEngine::Filament => {
                 let words: Vec<&str> = text().split(|c: char| !c.is_alphanumeric()).collect();
                 let halves: Vec<u16> =
                     words.iter().filter_map(|word| u16::from_str_radix(word.strip_prefix("0x")?, 16).ok()).collect();
-                assert_eq!(halves.len(), 128 * 128 * 3);
-                (0..2).map(|i| f64::from(half::f16::from_bits(halves[3 * (64 * 128 + 64) + i]))).collect()
+                assert_eq!(halves.len(), 3 * N * N);
+                [0, 1].map(|i| f64::from(half::f16::from_bits(halves[3 * (3 * N + 5) + i])))
             }
             LutEngine::Hdrp => {
-                assert_eq!(bytes.len(), 148 + 64 * 64 * 4);
-                // The texel nearest to the root of 1/2.
-                let at = 148 + 4 * (32 * 64 + 45);
+                assert_eq!(bytes.len(), 148 + N * N * 4);
+                let at = 148 + 4 * (3 * N + 5);
                 let word = u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes"));
                 assert_eq!(word >> 30, 3);
-                (0..2).map(|i| f64::from(word >> (10 * i) & 1023) / 1023.0).collect()
+                [0, 1].map(|i| f64::from(word >> (10 * i) & 1023) / 1023.0)
             }
             LutEngine::GltfSampleViewer => {
                 let (width, pixels) = pixels(bytes);
-                let at = 4 * (8 * 16 + 8);
-                assert_eq!((width, pixels.len(), pixels[at + 2], pixels[at + 3]), (16, 1024, 0, 255));
-                let [scale, bias] = [0, 1].map(|i| f64::from(pixels[at + i]) / 255.0);
-                vec![bias, scale + bias]
+                let texel = &pixels[4 * (3 * N + 5)..][..4];
+                assert_eq!((width as usize, pixels.len(), texel[2], texel[3]), (N, 4 * N * N, 0, 255));
+                let [scale, bias] = [0, 1].map(|i| f64::from(texel[i]) / 255.0);
+                [bias, scale + bias]
             }
             _ => {
-                assert!(text().contains("const float brdf_ggx[64][64][3] = {\n    {{"));
+                assert!(text().contains("const float brdf_ggx[8][8][3] = {\n    {{"));
                 let numbers: Vec<f64> = text()
                     .split(['{', '}', ',', ' ', '\n'])
                     .filter_map(|word| word.strip_suffix('f')?.parse().ok())
                     .collect();
-                assert_eq!(numbers.len(), 64 * 64 * 3);
-                // sqrt(1 - 1/2) along y, roughness along x.
-                let at = 3 * (45 * 64 + 32);
-                vec![numbers[at + 1], numbers[at] + numbers[at + 1]]
+                assert_eq!(numbers.len(), 3 * N * N);
+                // Roughness is along x.
+                let at = 3 * (5 * N + 3);
+                [numbers[at + 1], numbers[at] + numbers[at + 1]]
             }
         };
-        // These texels are not exactly at the place.
-        assert!((found[0] - bias).abs() < 0.012 && (found[1] - total).abs() < 0.025, "{engine}: {found:?}");
-        assert!(!bundle.steps.is_empty());
+        let [x, y] = [5, 3].map(|texel| recipe.texels().parameter(texel, N));
+        let cosine = match engine {
+            LutEngine::Hdrp => x * x,
+            LutEngine::Blender => 1.0 - x * x,
+            _ => x,
+        };
+        // The texels are solved for the filter, so they differ a little from values at texel centres.
+        let [bias, albedo, _] = LutRecipe { form: Some(DfgForm::Filament), ..of }.truth(&[y * y, cosine]);
+        let errors = [found[0] - bias, found[1] - albedo];
+        assert!(errors[0].abs() < 0.01 && errors[1].abs() < 0.015, "{engine}: {found:?}, errors {errors:?}");
     }
-}
-
-/// Albedo and bias.
-fn ltcforge_values(alpha: f64, cosine: f64) -> [f64; 3] {
-    let document = r#"{"table": "dfg", "form": "filament", "resolution": {"roughness": 2, "cos_theta": 2}}"#;
-    let [bias, total, _] = fitted(document).recipe.truth(&[alpha, cosine]);
-    [total, bias, 0.0]
 }
 
 #[test]
 fn an_engine_without_lookup_tables_is_named_with_the_others() {
     let refused = "playcanvas".parse::<LutExport>().expect_err("no table").to_string();
-    assert!(refused.starts_with("playcanvas loads no lookup table; engines that do: "), "{refused}");
+    assert!(refused.starts_with("«playcanvas» loads no lookup table; engines that do: "), "{refused}");
     assert!(refused.contains("three, babylon, bevy, godot, filament, hdrp, gltf-sample-viewer, blender"), "{refused}");
     let of = fitted(r#"{"table": "dfg", "precision": "rgba8", "resolution": {"roughness": 4, "cos_theta": 4}}"#);
     let bundle = LutExport::Png.bundle(&of, Digest::of(b"")).expect("files");
