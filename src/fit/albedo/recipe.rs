@@ -230,6 +230,18 @@ impl LutRecipe {
         self.table.axes().iter().zip(self.resolution.texels()).map(axis).collect()
     }
 
+    /// The seconds of a value on the machine of the cost model, and the number of places of a report between the ends of
+    /// an axis. They are prime numbers, so the places are at many positions between texels.
+    pub(super) fn cost(&self) -> (f64, usize) {
+        match (self.table, self.brdf) {
+            (LutKind::Transmission, _) => (40e-6, 29),
+            (LutKind::AnisotropicDfg, _) => (60e-6, 13),
+            (_, BrdfKind::Ggx) => (8e-6, 223),
+            (_, BrdfKind::Charlie | BrdfKind::CharlieNeubelt) => (35e-6, 67),
+            _ => (120e-6, 67),
+        }
+    }
+
     /// The names of the channels.
     #[must_use]
     pub fn channels(&self) -> &'static [&'static str] {

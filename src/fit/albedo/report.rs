@@ -5,15 +5,14 @@ use serde::Serialize;
 
 use super::{
     axes::{Axis, count},
-    recipe::{LutKind, LutPrecision, LutRecipe},
+    recipe::{LutPrecision, LutRecipe},
     rows::Lut,
     solve::Places,
 };
 use crate::brdf::BrdfKind;
 
-/// The number of places between the ends of an axis: of isotropic GGX, of other models, of glass, and of anisotropic GGX.
-/// Prime numbers, so the places are at many positions between texels.
-const PLACES: [usize; 4] = [223, 67, 29, 13];
+/// The number of places between the ends of an axis of a picture: for GGX, and for models whose values take longer.
+const SLICE: [usize; 2] = [223, 67];
 
 /// Absolute errors over the domain: alpha from .002, cosine from .01, evenly in the parameters of the axes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -51,12 +50,7 @@ impl MeasuredLut {
     /// Computes the values over the whole domain on the current rayon pool.
     #[must_use]
     pub fn new(recipe: &LutRecipe) -> Self {
-        let count = match (recipe.table, recipe.brdf) {
-            (LutKind::AnisotropicDfg, _) => PLACES[3],
-            (LutKind::Transmission, _) => PLACES[2],
-            (_, BrdfKind::Ggx) => PLACES[0],
-            _ => PLACES[1],
-        };
+        let (_, count) = recipe.cost();
         // Fine tables have more places than texels.
         let is_flat = recipe.table.axes().len() == 2;
         Self::at(recipe, |axis| axis.even(if is_flat { count.max(axis.texels * 5 / 4) } else { count }))
@@ -66,7 +60,7 @@ impl MeasuredLut {
     /// Other axes have a parameter in the middle.
     #[must_use]
     pub fn slice(recipe: &LutRecipe) -> Self {
-        let count = if recipe.brdf == BrdfKind::Ggx { PLACES[0] } else { PLACES[1] };
+        let count = if recipe.brdf == BrdfKind::Ggx { SLICE[0] } else { SLICE[1] };
         Self::at(recipe, |axis| match axis.name {
             "ior" => vec![axis.parameter(1.5)],
             "ratio" | "phi" => vec![0.5],

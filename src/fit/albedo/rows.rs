@@ -12,17 +12,6 @@ use super::{
 };
 use crate::{brdf::BrdfKind, expectation::Expectation, math::cbrt, run::Progress, shard::ShardBytesError};
 
-/// The seconds of a place, on the machine of the cost model.
-fn seconds(recipe: &LutRecipe) -> f64 {
-    match (recipe.table, recipe.brdf) {
-        (LutKind::Transmission, _) => 40e-6,
-        (LutKind::AnisotropicDfg, _) => 60e-6,
-        (_, BrdfKind::Ggx) => 8e-6,
-        (LutKind::Sheen, BrdfKind::Charlie | BrdfKind::CharlieNeubelt) => 35e-6,
-        _ => 120e-6,
-    }
-}
-
 /// A recipe and the places at which its values are computed.
 #[derive(Debug, Clone)]
 pub struct LutPlan {
@@ -48,7 +37,7 @@ impl LutRecipe {
             _ => 0.16 / texels,
         };
         let bytes = width * self.entries() * self.channels().len() as u64;
-        let seconds = seconds(self) * count(&LutPlan::new(self).axes) as f64;
+        let seconds = self.cost().0 * count(&LutPlan::new(self).axes) as f64;
         Expectation { seconds, error: error.max(least_error), bytes }
     }
 }

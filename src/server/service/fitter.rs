@@ -206,10 +206,7 @@ impl Fitter {
 
     /// The canonical recipe in a table file, and the recipe's digest. `None` if `file` is not a table.
     pub(super) fn recognise(file: &[u8]) -> Option<(String, Digest)> {
-        let text = match decode_any(file).ok()? {
-            AnyFile::Ltc(table) => recipe_document::canonical_json(&table.recipe),
-            AnyFile::Lut(table) => recipe_document::canonical_json(&table.recipe),
-        };
+        let text = decode_any(file).ok()?.recipe_json();
         let digest = Digest::of(text.as_bytes());
         Some((text, digest))
     }
