@@ -68,20 +68,15 @@ fn shape(recipe: &LutRecipe) -> Vec<usize> {
 
 /// The tensor of a table's texels. Integers are steps from 0 to 1.
 fn texels(recipe: &LutRecipe, texels: &[f32]) -> Tensor {
-    let shape = shape(recipe);
-    let integer = |x: f32| (x * f32::from(recipe.precision.steps().unwrap_or(1))).round() as u16;
-    match recipe.precision {
-        LutPrecision::F32 => tensor(Precision::F32, &shape, texels),
-        LutPrecision::F16 => tensor(Precision::F16, &shape, texels),
-        LutPrecision::Unorm16 => {
-            let bytes = texels.iter().flat_map(|x| integer(*x).to_le_bytes()).collect();
-            Tensor { dtype: Dtype::U16, shape, bytes }
-        }
-        LutPrecision::Rgba8 => {
-            let bytes = texels.iter().map(|x| integer(*x) as u8).collect();
-            Tensor { dtype: Dtype::U8, shape, bytes }
-        }
-    }
+    let steps = f32::from(recipe.precision.steps().unwrap_or(1));
+    let integers = texels.iter().map(|x| (x * steps).round() as u16);
+    let (dtype, bytes) = match recipe.precision {
+        LutPrecision::F32 => return tensor(Precision::F32, &shape(recipe), texels),
+        LutPrecision::F16 => return tensor(Precision::F16, &shape(recipe), texels),
+        LutPrecision::Unorm16 => (Dtype::U16, integers.flat_map(u16::to_le_bytes).collect()),
+        LutPrecision::Rgba8 => (Dtype::U8, integers.map(|integer| integer as u8).collect()),
+    };
+    Tensor { dtype, shape: shape(recipe), bytes }
 }
 
 fn read_texels(file: &SafeTensors, recipe: &LutRecipe) -> Result<Vec<f32>, TableFileError> {

@@ -57,22 +57,17 @@ pub(super) fn read(
     let mut faults = Faults::default();
     let root = Object::root(document, &FIELDS, &mut faults);
     root.choice("preset", &[(kind.name(), ())], (), &mut faults);
-    let brdfs: Vec<(&str, BrdfKind)> = kind.brdfs().iter().map(|brdf| (brdf.name(), *brdf)).collect();
-    let brdf = root.choice("brdf", &brdfs, brdfs[0].1, &mut faults);
-    let mut form = None;
-    if kind.has_forms() {
-        form = Some(root.choice("form", &named(DfgForm::ALL, DfgForm::name), DfgForm::ALL[0], &mut faults));
-    } else if let Some(value) = root.get("form") {
-        let detail = format!("table \"{kind}\" has no forms, got {}: leave this field out", echo(value));
-        faults.note("/form", detail);
+    let brdf = first_of(&root, "brdf", kind.brdfs(), BrdfKind::name, &mut faults);
+    let form = kind.has_forms().then(|| first_of(&root, "form", DfgForm::ALL, DfgForm::name, &mut faults));
+    if form.is_none() {
+        absent(&root, "form", &format!("table \"{kind}\" has no forms"), &mut faults);
     }
     let size = root.object("resolution", kind.axes(), &mut faults);
     let most = MOST_TEXELS[kind.axes().len() - 2];
     let resolution =
         LutResolution::new(kind, |axis| size.integer32(axis, 2, most, default_texels(kind, axis), &mut faults));
     let axes = read_axes(&root, kind, &mut faults);
-    let precision =
-        root.choice("precision", &named(LutPrecision::ALL, LutPrecision::name), LutPrecision::ALL[0], &mut faults);
+    let precision = first_of(&root, "precision", LutPrecision::ALL, LutPrecision::name, &mut faults);
     let fitter = read_fitter(&root, fitters, &mut faults);
     let recipe = LutRecipe { fitter, table: kind, brdf, form, resolution, axes, precision };
     if recipe.entries() > entry_limit {
@@ -85,21 +80,31 @@ pub(super) fn read(
 /// The parameters of the texels; `None` for tables with those of layout `reflected`.
 fn read_axes(root: &Object<'_>, kind: LutKind, faults: &mut Faults) -> Option<LutAxes> {
     if kind == LutKind::AnisotropicDfg {
-        if root.get("axes").is_some() {
-            faults
-                .note("/axes", format!("table \"{kind}\" has the axes of layout \"reflected\": leave this field out"));
-        }
+        absent(root, "axes", &format!("table \"{kind}\" has the axes of layout \"reflected\""), faults);
         return None;
     }
-    let object = root.object("axes", &["roughness", "cos_theta", "texels"], faults);
+    let axes = root.object("axes", &["roughness", "cos_theta", "texels"], faults);
     Some(LutAxes {
-        roughness: object.choice(
-            "roughness",
-            &named(RoughnessAxis::ALL, RoughnessAxis::name),
-            RoughnessAxis::ALL[0],
-            faults,
-        ),
-        cos_theta: object.choice("cos_theta", &named(CosineAxis::ALL, CosineAxis::name), CosineAxis::ALL[0], faults),
-        texels: object.choice("texels", &named(Texels::ALL, Texels::name), Texels::ALL[0], faults),
+        roughness: first_of(&axes, "roughness", RoughnessAxis::ALL, RoughnessAxis::name, faults),
+        cos_theta: first_of(&axes, "cos_theta", CosineAxis::ALL, CosineAxis::name, faults),
+        texels: first_of(&axes, "texels", Texels::ALL, Texels::name, faults),
     })
+}
+
+/// A choice from a list. The first item is the default.
+fn first_of<T: Copy>(
+    object: &Object<'_>,
+    field: &str,
+    all: &[T],
+    name: fn(T) -> &'static str,
+    faults: &mut Faults,
+) -> T {
+    object.choice(field, &named(all, name), all[0], faults)
+}
+
+/// Notes a fault if the object has this field.
+fn absent(object: &Object<'_>, field: &str, reason: &str, faults: &mut Faults) {
+    if let Some(value) = object.get(field) {
+        faults.note(object.pointer(field), format!("{reason}, got {}: leave this field out", echo(value)));
+    }
 }
