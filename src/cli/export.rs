@@ -1,12 +1,15 @@
 //! `export`: writes a table as files for an engine, as textures in a chosen format, or in its compact form.
 
-use std::{fmt::Write as _, path::PathBuf};
+use std::{
+    fmt::Write as _,
+    path::{Path, PathBuf},
+};
 
 use clap::{
     ArgGroup, Args,
     builder::{PossibleValue, PossibleValuesParser, TypedValueParser},
 };
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::{
     AnyTable, CommandFailure, Context, Exit, TableChoice, Threads, check_output_folder, listed, lut, tabulated, usage,
@@ -114,18 +117,26 @@ pub(super) fn run(args: &ExportArgs, context: &mut Context<'_>) -> Result<Exit, 
         Export::Compact(container) => pool.install(|| compact_bundle(container, &table, &about))?,
         _ => (export.bundle(&table, about).map_err(usage)?, vec![]),
     };
-    let mut list = Vec::new();
-    for file in &files {
-        let path = write_in(&args.out, &file.path, &file.bytes)?;
-        let mut value = listed(&path, &file.bytes);
-        value["rounding"] = json!(file.rounding);
-        list.push(value);
-    }
+    let list = write_files(&args.out, &files)?;
     let value = json!({
         "table": digest, "for": args.choice.engine, "layout": layout, "container": args.choice.container, "files": list,
         "steps": steps, "compared": compared.first(), "compared_second": compared.get(1),
     });
-    context.print(&value, text(args, &files, &compared, &steps).trim_end())
+    let mut text = text(&args.out, &files, &compared, &steps);
+    if let Some(engine) = args.choice.engine.as_deref().and_then(LutEngine::from_name) {
+        let _ = writeln!(text, "For the DFG table of {engine}: ltcforge fit dfg, and export its table --for {engine}.");
+    }
+    context.print(&value, text.trim_end())
+}
+
+/// Writes the files to a folder, and lists them for JSON output.
+pub(super) fn write_files(folder: &Path, files: &[TextureFile]) -> Result<Vec<Value>, CommandFailure> {
+    let write = |file: &TextureFile| {
+        let mut value = listed(&write_in(folder, &file.path, &file.bytes)?, &file.bytes);
+        value["rounding"] = json!(file.rounding);
+        Ok(value)
+    };
+    files.iter().map(write).collect()
 }
 
 /// The export of a lookup table that the options choose.
@@ -175,7 +186,7 @@ pub(super) fn export_of(choice: &ExportChoice) -> Result<Export, CommandFailure>
 
 /// The errors between nodes of a table and of its compact form, in lobe widths.
 #[derive(Debug, serde::Serialize)]
-struct Compared {
+pub(super) struct Compared {
     table: Spread,
     decoded: Spread,
 }
@@ -200,11 +211,11 @@ pub(super) fn measured(table: &Table, recipe: Option<&Recipe>) -> Option<MeanErr
 }
 
 /// The text output: the files, the rounding errors, and the steps to use the files.
-fn text(args: &ExportArgs, files: &[TextureFile], compared: &[Compared], steps: &[String]) -> String {
+pub(super) fn text(folder: &Path, files: &[TextureFile], compared: &[Compared], steps: &[String]) -> String {
     let mut out = String::new();
     for file in files {
         // Writing to a String cannot fail.
-        let _ = writeln!(out, "{}  {} bytes", args.out.join(&file.path).display(), file.bytes.len());
+        let _ = writeln!(out, "{}  {} bytes", folder.join(&file.path).display(), file.bytes.len());
     }
     let all = files.iter().fold(RoundingError::default(), |all, file| all.and(file.rounding));
     if all != RoundingError::default() {
@@ -232,9 +243,6 @@ fn text(args: &ExportArgs, files: &[TextureFile], compared: &[Compared], steps: 
     }
     for step in steps {
         let _ = writeln!(out, "{step}");
-    }
-    if let Some(engine) = args.choice.engine.as_deref().and_then(LutEngine::from_name) {
-        let _ = writeln!(out, "For the DFG table of {engine}: ltcforge fit dfg, and export its table --for {engine}.");
     }
     out
 }

@@ -100,16 +100,23 @@ pub(super) struct Stored {
     pub(super) report: Report,
 }
 
-/// Measures a table on the current rayon pool, and writes it and its manifest to the folder `out`. The table is written
-/// first: if the process ends in between, there is no manifest without its table.
+/// Measures a table on the current rayon pool, and writes it and its manifest to the folder `out`.
 pub(super) fn store(out: &Path, recipe: &Recipe, table: &Table) -> Result<Stored, CommandFailure> {
     let file = container::encode(recipe, table).map_err(failed)?;
-    let (digest, report) = (Digest::of(&file), table_report(table, recipe));
+    let report = table_report(table, recipe);
     let manifest = manifest_of(&file, table, recipe, &report).map_err(failed)?;
-    let paths = ["safetensors", "manifest.json"].map(|extension| out.join(format!("{}.{extension}", digest.hex())));
-    replace_pair((&paths[0], &file), (&paths[1], manifest.as_bytes()))
-        .map_err(|error| file_failure(&error.path, &error.source))?;
+    let (digest, paths) = replace_table(out, &file, &manifest)?;
     Ok(Stored { digest, bytes: file.len(), paths, report })
+}
+
+/// Writes a table's file and its manifest to the folder `out`, and returns the digest and the paths. The table is written
+/// first: if the process ends in between, there is no manifest without its table.
+pub(super) fn replace_table(out: &Path, file: &[u8], manifest: &str) -> Result<(Digest, [PathBuf; 2]), CommandFailure> {
+    let digest = Digest::of(file);
+    let paths = ["safetensors", "manifest.json"].map(|extension| out.join(format!("{}.{extension}", digest.hex())));
+    replace_pair((&paths[0], file), (&paths[1], manifest.as_bytes()))
+        .map_err(|error| file_failure(&error.path, &error.source))?;
+    Ok((digest, paths))
 }
 
 /// Fits a recipe on the current rayon pool, with its own progress bar.
@@ -125,9 +132,12 @@ pub(super) fn fit_alone(recipe: &Recipe, draws: bool, interrupt: &Interrupt) -> 
 
 /// Fits the table of a plan. Returns `None` when the user stops the fit.
 pub(super) fn fit(plan: &Plan, bar: &ProgressBar, interrupt: &Interrupt) -> Option<Table> {
-    fit_plan(plan, &|done| {
-        // Threads may report out of order, but the bar must not move backwards.
-        bar.update(|bar| bar.set_pos(bar.pos().max(done)));
-        if interrupt.is_set() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    })
+    fit_plan(plan, &|done| followed(done, bar, interrupt))
+}
+
+/// Draws the progress of a fit, and stops it when the user asks.
+pub(super) fn followed(done: u64, bar: &ProgressBar, interrupt: &Interrupt) -> ControlFlow<()> {
+    // Threads may report out of order, but the bar must not move backwards.
+    bar.update(|bar| bar.set_pos(bar.pos().max(done)));
+    if interrupt.is_set() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
 }

@@ -2,24 +2,25 @@
 
 use std::{
     fmt::Write as _,
-    ops::ControlFlow,
     path::{Path, PathBuf},
     time::Instant,
 };
 
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::{
-    CommandFailure, Context, Exit, Interrupt, TableChoice, Threads, check_output_folder, failed, file_failure, listed,
-    mismatch, progress, shown, table_file, table_path, usage, write_in,
+    CommandFailure, Context, Exit, Interrupt, TableChoice, Threads, check_output_folder,
+    export::{text, write_files},
+    failed,
+    fit::{followed, replace_table},
+    mismatch, progress, shown, table_file, table_path, usage,
 };
 use ltcforge_files::{
     container::{AnyFile, LutFile, decode_any, encode_lut},
     digest::Digest,
     manifest::lut_manifest,
-    replace::replace_pair,
 };
-use ltcforge_fit::albedo::{LutError, LutPlan, LutRecipe, LutReport, MeasuredLut, fit_lut};
+use ltcforge_fit::albedo::{Lut, LutError, LutPlan, LutRecipe, LutReport, MeasuredLut, fit_lut};
 use ltcforge_textures::{Bundle, LutExport, PNG};
 
 /// Computes a lookup table, and writes the table and its manifest.
@@ -33,19 +34,15 @@ pub(super) fn fit(
     let pool = threads.pool()?;
     let started = Instant::now();
     let (draws, interrupt) = (context.draws_progress, &context.interrupt);
-    let LutFile { lut, .. } = pool.install(|| fit_alone(recipe, draws, interrupt))?;
+    let lut = pool.install(|| fit_alone(recipe, draws, interrupt))?;
     let fit_seconds = started.elapsed().as_secs_f64();
     let bytes = encode_lut(recipe, &lut).map_err(failed)?;
-    let digest = Digest::of(&bytes);
     let report = pool.install(|| MeasuredLut::new(recipe).report(&lut));
     let manifest = lut_manifest(&bytes, recipe, &report).map_err(failed)?;
-    let [table, manifest_path] =
-        ["safetensors", "manifest.json"].map(|extension| out.join(format!("{}.{extension}", digest.hex())));
-    replace_pair((&table, &bytes), (&manifest_path, manifest.as_bytes()))
-        .map_err(|error| file_failure(&error.path, &error.source))?;
+    let (digest, [table, manifest]) = replace_table(out, &bytes, &manifest)?;
     let next = [format!("ltcforge report {}", shown(&table))];
     let value = json!({
-        "table": digest, "file": shown(&table), "manifest": shown(&manifest_path), "bytes": bytes.len(),
+        "table": digest, "file": shown(&table), "manifest": shown(&manifest), "bytes": bytes.len(),
         "seconds": started.elapsed().as_secs_f64(), "fit_seconds": fit_seconds,
         "error": report.stored, "next": next,
     });
@@ -58,16 +55,12 @@ pub(super) fn fit(
     Ok(Exit::Ok)
 }
 
-/// Computes a lookup table on the current rayon pool, with its own progress bar, and returns its file.
-pub(super) fn fit_alone(recipe: &LutRecipe, draws: bool, interrupt: &Interrupt) -> Result<LutFile, CommandFailure> {
+/// Computes a lookup table on the current rayon pool, with its own progress bar.
+pub(super) fn fit_alone(recipe: &LutRecipe, draws: bool, interrupt: &Interrupt) -> Result<Lut, CommandFailure> {
     let bar = progress::bar(draws, recipe.entries());
-    let lut = fit_lut(&LutPlan::new(recipe), &|done| {
-        // Threads may report out of order, but the bar must not move backwards.
-        bar.update(|bar| bar.set_pos(bar.pos().max(done)));
-        if interrupt.is_set() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    });
+    let lut = fit_lut(&LutPlan::new(recipe), &|done| followed(done, &bar, interrupt));
     bar.finish_and_clear();
-    Ok(LutFile { recipe: *recipe, lut: lut.ok_or_else(CommandFailure::interrupted)? })
+    lut.ok_or_else(CommandFailure::interrupted)
 }
 
 /// A lookup table, if `choice` is one.
@@ -94,10 +87,10 @@ pub(super) fn report(
         "file": shown(path), "digest": digest, "table": file.recipe.table,
         "resolution": file.recipe.resolution, "report": report,
     });
-    context.print(&value, text(path, &file.recipe, &report).trim_end())
+    context.print(&value, report_text(path, &file.recipe, &report).trim_end())
 }
 
-fn text(path: &Path, recipe: &LutRecipe, report: &LutReport) -> String {
+fn report_text(path: &Path, recipe: &LutRecipe, report: &LutReport) -> String {
     let mut out = format!(
         "{}\ntable {} of {}, {} texels: {}\n\nerror after linear filtering at {} places:\n",
         path.display(),
@@ -131,18 +124,7 @@ pub(super) fn export(
 ) -> Result<Exit, CommandFailure> {
     export.recipe(&file.recipe).map_err(usage)?;
     let Bundle { files, steps } = threads.pool()?.install(|| export.bundle(file, *digest)).map_err(usage)?;
-    let mut out = String::new();
-    let mut list: Vec<Value> = Vec::new();
-    for file in &files {
-        let path = write_in(folder, &file.path, &file.bytes)?;
-        let mut value = listed(&path, &file.bytes);
-        value["rounding"] = json!(file.rounding);
-        list.push(value);
-        let _ = writeln!(out, "{}  {} bytes", path.display(), file.bytes.len());
-    }
-    for step in &steps {
-        let _ = writeln!(out, "{step}");
-    }
+    let list = write_files(folder, &files)?;
     let (engine, container) = match export {
         LutExport::Engine(engine) => (Some(engine), None),
         LutExport::Png => (None, Some(PNG)),
@@ -151,5 +133,5 @@ pub(super) fn export(
     let value = json!({
         "table": digest, "for": engine, "container": container, "files": list, "steps": steps,
     });
-    context.print(&value, out.trim_end())
+    context.print(&value, text(folder, &files, &[], &steps).trim_end())
 }

@@ -56,8 +56,8 @@ impl<'a> Fitting<'a> {
                 container::encode(recipe, &table).map_err(failed)
             }
             AnyRecipe::Lut(recipe) => {
-                let file = pool.install(|| lut::fit_alone(recipe, draws, interrupt))?;
-                encode_lut(recipe, &file.lut).map_err(failed)
+                let lut = pool.install(|| lut::fit_alone(recipe, draws, interrupt))?;
+                encode_lut(recipe, &lut).map_err(failed)
             }
         }
     }
