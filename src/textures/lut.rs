@@ -91,30 +91,24 @@ impl FromStr for LutExport {
     type Err = LutExportError;
 
     fn from_str(text: &str) -> Result<Self, LutExportError> {
-        if let Some(engine) = LutEngine::from_name(text) {
-            return Ok(Self::Engine(engine));
-        }
-        if text == PNG {
-            return Ok(Self::Png);
-        }
-        let textures = || {
-            let (container, precision) = text.split_once('.').unwrap_or((text, Precision::F32.name()));
-            let container = TextureContainer::from_name(container)?;
-            Some(Self::Textures { container, precision: Precision::from_name(precision)? })
-        };
-        textures().ok_or_else(|| LutExportError::Unknown(text.to_owned()))
+        let default = format!("{text}.{}", Precision::F32);
+        let export = Self::every().find(|export| [text, &default].contains(&&*export.to_string()));
+        export.ok_or_else(|| LutExportError::Unknown(text.to_owned()))
     }
 }
 
 impl LutExport {
-    /// The exports of a table.
-    pub fn all(recipe: &LutRecipe) -> impl Iterator<Item = Self> {
+    fn every() -> impl Iterator<Item = Self> {
         let engines = LutEngine::ALL.iter().map(|&engine| Self::Engine(engine));
         let textures = TextureContainer::ALL.iter().flat_map(|&container| {
             Precision::ALL.iter().map(move |&precision| Self::Textures { container, precision })
         });
-        let recipe = *recipe;
-        engines.chain([Self::Png]).chain(textures).filter(move |export| export.recipe(&recipe).is_ok())
+        engines.chain([Self::Png]).chain(textures)
+    }
+
+    /// The exports of a table.
+    pub fn all(recipe: &LutRecipe) -> impl Iterator<Item = Self> {
+        Self::every().filter(move |export| export.recipe(recipe).is_ok())
     }
 
     /// The recipe of the table in the files: the table itself, or the same values with the engine's parameters.

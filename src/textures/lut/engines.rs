@@ -1,6 +1,6 @@
 //! The lookup tables of engines: parameters, channels, size, format, name.
 //!
-//! Sources: three.js 0.185 (npm), `@babylonjs/core` 9.35 (npm), and copies of the sources of Bevy 0.19, Godot, Filament,
+//! Sources: three.js 0.187 (npm), `@babylonjs/core` 9.35 (npm), and copies of the sources of Bevy 0.19, Godot, Filament,
 //! HDRP, glTF-Sample-Renderer and Blender (2026). Godot and HDRP draw their tables when they start; their files
 //! have the numbers of these textures.
 
@@ -71,6 +71,9 @@ const PLAIN: Format = Format {
 };
 const SHEEN: Option<(LutKind, BrdfKind)> = Some((LutKind::Sheen, BrdfKind::CharlieNeubelt));
 
+/// The largest number of rows of the table for a third channel.
+const ROWS: u32 = 64;
+
 impl LutEngine {
     /// Whether the engine has a file for this kind of table.
     #[must_use]
@@ -134,7 +137,7 @@ impl LutEngine {
         // The cosine is along x and roughness along y.
         let mut texture = texture("dfg", recipe, lut.texels)?;
         if let Some((table, brdf)) = self.format().third.filter(|_| recipe.table == LutKind::Dfg) {
-            let third = fitted(&LutRecipe { table, brdf, form: None, ..*recipe }).texels;
+            let third = third(&LutRecipe { table, brdf, form: None, ..*recipe });
             // HDRP stores Burley's diffuse reflection, from .5 to 1.5, minus .5.
             let offset = if self == Self::Hdrp { 0.5 } else { 0.0 };
             texture = with_channel(texture, table.name(), third.iter().map(|x| x - offset));
@@ -143,7 +146,10 @@ impl LutEngine {
             Self::Three => (
                 "DFGLUTData.js",
                 three(&transposed(texture), about)?.into_bytes(),
-                &["Replace src/renderers/shaders/DFGLUTData.js in three.js's sources (0.185), and build it."],
+                &[
+                    "Replace src/renderers/shaders/DFGLUTData.js in three.js's sources (checked with 0.187), and build it.",
+                    "WebGPURenderer has a table of its own, src/nodes/functions/BSDF/DFGLUT.js: copy DATA and the sizes into it.",
+                ],
             ),
             Self::Bevy => (
                 "dfg.ktx2",
@@ -207,6 +213,24 @@ impl LutEngine {
         let steps = steps.iter().map(|&step| step.to_owned()).chain([self.area_lights()]);
         Ok(Bundle { files: vec![unrounded(path, bytes)], steps: steps.collect() })
     }
+}
+
+/// The texels of a third channel. They are from a table with at most [`ROWS`] rows, because values take long and change
+/// slowly with roughness.
+fn third(recipe: &LutRecipe) -> Vec<f32> {
+    let [rows, columns] = [0, 1].map(|axis| recipe.resolution.texels()[axis]);
+    let few = rows.min(ROWS);
+    let resolution = LutResolution::new(recipe.table, |axis| if axis == "roughness" { few } else { columns });
+    let texels = fitted(&LutRecipe { resolution, ..*recipe }).texels;
+    if few == rows {
+        return texels;
+    }
+    let row = |i: usize| texels.chunks(columns as usize).nth(i).unwrap_or_default();
+    let blended = |y: u32| {
+        let (below, next) = recipe.texels().filter(recipe.texels().parameter(y as usize, rows as usize), few as usize);
+        row(below).iter().zip(row(below + 1)).map(move |(a, b)| a + (b - a) * next as f32)
+    };
+    (0..rows).flat_map(blended).collect()
 }
 
 /// The texture with one more channel.
