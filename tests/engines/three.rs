@@ -1,5 +1,13 @@
 //! Compares `examples/three`, a package that patches three.js materials, with the truth.
 
+use ltcforge::{
+    files::{
+        recipe_document::{AnyRecipe, DEFAULT_ENTRY_LIMIT, parse_any},
+        tabulated::no_files,
+    },
+    fit::albedo::LutRecipe,
+};
+
 use super::{
     examples::{Apart, RULES_GLSL, hold_errors, packed},
     *,
@@ -266,4 +274,72 @@ fn the_table_of_the_example_equals_the_output_of_the_command_and_is_small() {
         let [old, written] = [&committed, &written].map(|folder| fs::read(folder.join(&name)).expect("a file"));
         assert!(old == written, "{}: UPDATE_GOLDEN=three updates it", name.display());
     }
+}
+
+/// The output of `dfg.js`.
+#[derive(Deserialize)]
+struct Dfg {
+    stock: WithTable,
+    ours: WithTable,
+    faults: Vec<String>,
+}
+
+/// three.js, built with a DFG table.
+#[derive(Deserialize)]
+struct WithTable {
+    /// The properties of the texture.
+    texture: serde_json::Value,
+    numbers: Vec<f64>,
+    pictures: Vec<Metal>,
+}
+
+/// Metal with `F0 = 1/2` under a white sky.
+#[derive(Deserialize)]
+struct Metal {
+    roughness: f64,
+    cosine: f64,
+    radiance: f64,
+    /// The radiance by the formula of the shader, where the linear filter reads the table.
+    expected: f64,
+}
+
+impl Metal {
+    /// The radiance by the formula of the shader with exact values.
+    fn exact(&self, recipe: &LutRecipe) -> f64 {
+        let [scale, bias, _] = recipe.truth(&[self.roughness * self.roughness, self.cosine]);
+        let (single, lost, average) = (0.5 * scale + bias, 1.0 - scale - bias, 0.5 + 0.5 / 21.0);
+        single + single * average / (1.0 - lost * average) * lost
+    }
+}
+
+#[test]
+#[ignore = "make test-all runs it"]
+fn three_draws_with_our_dfg_table() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let document = r#"{"table": "dfg", "resolution": {"roughness": 16, "cos_theta": 16}}"#;
+    fs::write(folder.path().join("dfg.json"), document).expect("a recipe");
+    let digest = run(folder.path(), ["fit", "dfg.json", "-o", "tables"]).exited(0).last_line().to_owned();
+    run(folder.path(), ["export", digest.as_str(), "--for", "three", "-o", "brdf"]).exited(0);
+    let file = folder.path().join("brdf/DFGLUTData.js");
+    let Some(dfg) = script::<Dfg>("dfg.js", &["--file", &file.to_string_lossy()]) else { return };
+    assert_eq!(dfg.faults, [""; 0]);
+    assert_eq!(dfg.ours.texture, dfg.stock.texture);
+    // Another orientation or order of channels differs by 0.2 on average.
+    let apart: Vec<f64> = dfg.ours.numbers.iter().zip(&dfg.stock.numbers).map(|(a, b)| (a - b).abs()).collect();
+    let mean = apart.iter().sum::<f64>() / apart.len() as f64;
+    assert!(apart.len() == 512 && mean < 0.005, "{mean}");
+    let Ok(AnyRecipe::Lut(recipe)) = parse_any(document.as_bytes(), DEFAULT_ENTRY_LIMIT, &no_files) else {
+        panic!("{document} is a recipe of a lookup table")
+    };
+    let [stock, ours] = [&dfg.stock, &dfg.ours].map(|drawn| {
+        for Metal { roughness, cosine, radiance, expected } in &drawn.pictures {
+            assert!((radiance - expected).abs() < 1e-5, "{roughness} {cosine}: {radiance}, not {expected}");
+        }
+        let errors = drawn.pictures.iter().map(|metal| (metal.radiance - metal.exact(&recipe)).abs());
+        errors.sum::<f64>() / drawn.pictures.len() as f64
+    });
+    print(&format!(
+        "three, DFG: mean difference of numbers {mean:.5}; error of radiance: stock {stock:.5}, ours {ours:.5}"
+    ));
+    assert!(ours < 0.5 * stock, "{ours}, {stock}");
 }
