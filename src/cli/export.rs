@@ -64,10 +64,9 @@ impl ExportChoice {
     /// The choice with `--for wgpu --precision half` as one engine.
     ///
     /// # Errors
-    /// When `--precision` is given with another engine, or without textures.
+    /// When `--precision` is given with another engine.
     pub(super) fn checked(&self) -> Result<Self, CommandFailure> {
         let engine = match (self.engine.as_deref(), self.precision) {
-            (None, Some(_)) if self.layout.is_none() => return Err(usage("--precision needs --layout or --for wgpu")),
             (None, _) | (_, None) => return Ok(self.clone()),
             (Some(engine), Some(Precision::F16)) if engine == Engine::Wgpu.name() => Engine::WgpuHalf.name().to_owned(),
             (Some(other), _) => {
@@ -175,6 +174,7 @@ pub(super) fn export_of(choice: &ExportChoice) -> Result<Export, CommandFailure>
             let layout = TextureLayout::named(layout).map_err(usage)?;
             return Ok(Export::Textures { layout, container, precision: precision.unwrap_or(Precision::F32) });
         }
+        (None, None) if precision.is_some() => Err("--precision needs --layout or --for wgpu".to_owned()),
         (None, None) => container.parse().map_err(|error: UnknownExport| error.to_string()),
         (Some(_), None) => {
             Err(format!("--container {container} keeps the table's own layout: leave out --layout and --precision"))

@@ -146,7 +146,7 @@ pub(super) fn asked_by(choice: &ExportChoice, to: &Path) -> Result<ExportPin, Co
 
 /// The name of the export that a pin requests.
 pub(super) fn name_of(pin: &ExportPin) -> Result<String, CommandFailure> {
-    const FIELDS: &str = "use «for», or «layout», «container» and optionally «precision», or a compact «container»";
+    const FIELDS: &str = "use «for», or «container», optionally with «layout» and «precision»";
     pin.name().ok_or_else(|| of_export(pin, &usage(FIELDS)))
 }
 

@@ -67,7 +67,8 @@ pub struct FilePin {
 }
 
 impl ExportPin {
-    /// The name that a service uses for this export: the engine, or `LAYOUT.CONTAINER.PRECISION`, or the compact form.
+    /// The name that a service uses for this export: the engine, or `LAYOUT.CONTAINER.PRECISION`, or the compact form, or
+    /// for a lookup table `CONTAINER` or `CONTAINER.PRECISION`.
     /// `None` if the fields do not name an export.
     #[must_use]
     pub fn name(&self) -> Option<String> {
@@ -78,7 +79,10 @@ impl ExportPin {
                 let precision = self.precision.as_deref().unwrap_or("f32");
                 format!("{layout}.{container}.{precision}")
             }
-            (None, None, Some(container)) if self.precision.is_none() => container.clone(),
+            (None, None, Some(container)) => match &self.precision {
+                Some(precision) => format!("{container}.{precision}"),
+                None => container.clone(),
+            },
             _ => return None,
         };
         is_plain(&name).then_some(name)

@@ -81,7 +81,7 @@ pub enum ExportError {
     },
     /// The export is for lookup tables.
     #[error(
-        "{0} is an export of lookup tables, and this is a table for area lights; fit the recipe dfg, and export its table"
+        "{0} is an export of lookup tables, and this is a table for area lights; choose a layout, or fit the recipe dfg and export its table"
     )]
     LookupTable(LutExport),
     /// The table has no compact form of this kind.

@@ -38,24 +38,18 @@ pub const PNG: &str = "png";
 /// The lookup table does not have these files.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum LutExportError {
-    /// The engine has no lookup table of this kind.
-    #[error("{engine} loads no file of table {table}; engines that load such a table: {}; other formats: {}", of_kind(*table), listed(TextureContainer::ALL))]
-    Engine {
-        /// The engine.
-        engine: LutEngine,
-        /// The kind of the table.
-        table: LutKind,
-    },
-    /// The table has more than two axes.
-    #[error("a picture has two axes, and table {table} has more; other formats: {}", listed(TextureContainer::ALL))]
-    Picture {
+    /// The engine has no lookup table of this kind, or a picture has too few axes.
+    #[error("{export} has no file of table {table}; engines that load such a table: {}; other formats: {}", of_kind(*table), formats(*table))]
+    Kind {
+        /// The export.
+        export: LutExport,
         /// The kind of the table.
         table: LutKind,
     },
     /// The name is not an export of lookup tables. Most engines have one.
     #[error(
-        "«{}» loads no lookup table; engines that do: {}; other formats: {}; over HTTP, a format except png has a precision, such as ktx2.f16",
-        .0.escape_debug(), listed(LutEngine::ALL), formats()
+        "«{}» is not an export of lookup tables; engines: {}; formats, without a layout: {}; a format except png can have a precision, such as ktx2.f16",
+        .0.escape_debug(), listed(LutEngine::ALL), formats(LutKind::Dfg)
     )]
     Unknown(String),
     /// The format cannot store the texture.
@@ -67,8 +61,10 @@ fn listed<T: fmt::Display>(all: &[T]) -> String {
     all.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
 }
 
-fn formats() -> String {
-    format!("{PNG}, {}", listed(TextureContainer::ALL))
+/// The formats for tables of a kind.
+fn formats(table: LutKind) -> String {
+    let png = if table.axes().len() == 2 { format!("{PNG}, ") } else { String::new() };
+    png + &listed(TextureContainer::ALL)
 }
 
 /// The engines that load tables of a kind.
@@ -116,11 +112,12 @@ impl LutExport {
     /// # Errors
     /// The engine has no such table.
     pub fn recipe(self, recipe: &LutRecipe) -> Result<LutRecipe, LutExportError> {
-        match self {
-            Self::Engine(engine) => engine.recipe(recipe).ok_or(LutExportError::Engine { engine, table: recipe.table }),
-            Self::Png if recipe.table.axes().len() > 2 => Err(LutExportError::Picture { table: recipe.table }),
-            Self::Png | Self::Textures { .. } => Ok(*recipe),
-        }
+        let recipe_of_files = match self {
+            Self::Engine(engine) => engine.recipe(recipe),
+            Self::Png if recipe.table.axes().len() > 2 => None,
+            Self::Png | Self::Textures { .. } => Some(*recipe),
+        };
+        recipe_of_files.ok_or(LutExportError::Kind { export: self, table: recipe.table })
     }
 
     /// The files of a lookup table, their manifest, and instructions. For an engine with other parameters, the texels

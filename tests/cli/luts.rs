@@ -23,7 +23,7 @@ fn a_dfg_table_is_fitted_measured_and_exported() {
     assert!(fs::read(folder.path().join("brdf/dfg.ktx2")).expect("a file").starts_with(b"\xabKTX 20\xbb"));
     run(folder.path(), ["export", name.as_str(), "--container", "npy", "--precision", "half", "-o", "npy"]).exited(0);
     let refused = run(folder.path(), ["export", name.as_str(), "--for", "playcanvas", "-o", "other"]).exited(2);
-    assert!(refused.stderr.contains("loads no lookup table; engines that do: three, "), "{}", refused.stderr);
+    assert!(refused.stderr.contains("is not an export of lookup tables; engines: three, "), "{}", refused.stderr);
     run(folder.path(), ["export", name.as_str(), "--for", "blender", "-o", "blender"]).exited(0);
     assert!(folder.path().join("blender/brdf_ggx.inc").exists());
     let refused = run(folder.path(), ["preview", name.as_str(), "-o", "sphere.png"]).exited(2);
@@ -35,4 +35,21 @@ fn a_dfg_table_is_fitted_measured_and_exported() {
     assert!(folder.path().join("assets/brdf/DFGLUTData.js").exists());
     run(folder.path(), ["pull"]).exited(0);
     run(folder.path(), ["verify", "--refit", "brdf/ltcforge.json"]).exited(0);
+}
+
+#[test]
+fn an_anisotropic_table_is_locked_as_textures() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let recipe = r#"{"table": "anisotropic_dfg", "resolution": {"alpha": 2, "ratio": 2, "theta": 2, "phi": 2}}"#;
+    fs::write(folder.path().join("recipe.json"), recipe).expect("a recipe");
+    let lock = |words: &[&str]| {
+        run(folder.path(), [&["lock", "brdf", "--recipe", "recipe.json", "--out", "brdf"], words].concat())
+    };
+    let refused = lock(&["--for", "three"]).exited(2).stderr;
+    assert!(refused.contains("three has no file of table anisotropic_dfg"), "{refused}");
+    lock(&["--container", "ktx2", "--precision", "half"]).exited(0);
+    run(folder.path(), ["pull"]).exited(0);
+    run(folder.path(), ["verify", "--refit", "brdf/ltcforge.json", "brdf.safetensors"]).exited(0);
+    fs::write(folder.path().join("brdf/anisotropic_dfg.ktx2"), "other").expect("a file");
+    run(folder.path(), ["verify", "brdf/ltcforge.json"]).exited(3);
 }

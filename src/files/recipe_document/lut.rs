@@ -11,7 +11,7 @@ use super::{
 };
 use ltcforge_fit::{
     BrdfKind,
-    albedo::{CosineAxis, DfgForm, LutAxes, LutKind, LutPrecision, LutRecipe, LutResolution, RoughnessAxis, Texels},
+    albedo::{AxisParameter, DfgForm, LutAxes, LutKind, LutPrecision, LutRecipe, LutResolution, Texels},
 };
 
 const FIELDS: [&str; 8] = ["preset", "fitter", "table", "brdf", "form", "resolution", "axes", "precision"];
@@ -85,8 +85,8 @@ fn read_axes(root: &Object<'_>, kind: LutKind, faults: &mut Faults) -> Option<Lu
     }
     let axes = root.object("axes", &["roughness", "cos_theta", "texels"], faults);
     Some(LutAxes {
-        roughness: first_of(&axes, "roughness", RoughnessAxis::ALL, RoughnessAxis::name, faults),
-        cos_theta: first_of(&axes, "cos_theta", CosineAxis::ALL, CosineAxis::name, faults),
+        roughness: first_of(&axes, "roughness", &AxisParameter::ROUGHNESS, AxisParameter::name, faults),
+        cos_theta: first_of(&axes, "cos_theta", &AxisParameter::COS_THETA, AxisParameter::name, faults),
         texels: first_of(&axes, "texels", Texels::ALL, Texels::name, faults),
     })
 }

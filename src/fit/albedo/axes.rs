@@ -22,9 +22,6 @@ pub(super) const FEWEST: usize = 2;
 /// A map from parameters in [0, 1] to values, and its inverse.
 pub(super) type Curve = [fn(f64) -> f64; 2];
 
-const SAME: Curve = [|x| x, |value| value];
-const SQUARE: Curve = [|x| x * x, f64::sqrt];
-const CUBE: Curve = [|x| x * x * x, cbrt];
 /// The index of refraction `n` by the cube root of `2 (n - 1) / (n + 1)`, because the albedo for low views is steep near
 /// an index of one.
 pub(super) const INDEX: Curve = [|x| (2.0 + x * x * x) / (2.0 - x * x * x), |n| cbrt(2.0 * (n - 1.0) / (n + 1.0))];
@@ -39,26 +36,16 @@ fn reflected() -> PerAxis<Spacing> {
 }
 
 named_list! {
-    /// The parameter on the axis of roughness.
+    /// The parameter on the axis of roughness or of the view.
     #[derive(Default)]
-    pub enum RoughnessAxis {
-        /// The cube root of alpha.
+    pub enum AxisParameter {
+        /// The cube root of alpha or of the cosine.
         #[default]
         CubeRoot = "cube_root",
         /// Perceptual roughness, the square root of alpha.
         Perceptual = "perceptual",
         /// GGX alpha.
         Alpha = "alpha",
-    }
-}
-
-named_list! {
-    /// The parameter on the axis of the view.
-    #[derive(Default)]
-    pub enum CosineAxis {
-        /// The cube root of the cosine.
-        #[default]
-        CubeRoot = "cube_root",
         /// The square root of the cosine.
         Root = "root",
         /// The cosine between view and normal.
@@ -83,32 +70,26 @@ named_list! {
 /// The parameters of the texels of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct LutAxes {
-    /// The parameter on the axis of roughness.
-    pub roughness: RoughnessAxis,
-    /// The parameter on the axis of the view.
-    pub cos_theta: CosineAxis,
+    /// One of [`AxisParameter::ROUGHNESS`].
+    pub roughness: AxisParameter,
+    /// One of [`AxisParameter::COS_THETA`].
+    pub cos_theta: AxisParameter,
     /// Where the parameters 0 and 1 are.
     pub texels: Texels,
 }
 
-impl RoughnessAxis {
-    /// Alpha as a function of the parameter.
-    pub(super) fn curve(self) -> Curve {
-        match self {
-            Self::CubeRoot => CUBE,
-            Self::Perceptual => SQUARE,
-            Self::Alpha => SAME,
-        }
-    }
-}
+impl AxisParameter {
+    /// The parameters of roughness, the default first.
+    pub const ROUGHNESS: [Self; 3] = [Self::CubeRoot, Self::Perceptual, Self::Alpha];
+    /// The parameters of the view, the default first.
+    pub const COS_THETA: [Self; 4] = [Self::CubeRoot, Self::Root, Self::Cosine, Self::Complement];
 
-impl CosineAxis {
-    /// The cosine as a function of the parameter.
+    /// Alpha or the cosine as a function of the parameter.
     pub(super) fn curve(self) -> Curve {
         match self {
-            Self::CubeRoot => CUBE,
-            Self::Root => SQUARE,
-            Self::Cosine => SAME,
+            Self::CubeRoot => [|x| x * x * x, cbrt],
+            Self::Perceptual | Self::Root => [|x| x * x, f64::sqrt],
+            Self::Alpha | Self::Cosine => [|x| x, |value| value],
             Self::Complement => [|x| 1.0 - x * x, |cosine| (1.0 - cosine).max(0.0).sqrt()],
         }
     }

@@ -17,7 +17,7 @@ mod solve;
 #[cfg(test)]
 mod tests;
 
-pub use axes::{CosineAxis, LutAxes, RoughnessAxis, Texels};
+pub use axes::{AxisParameter, LutAxes, Texels};
 pub use recipe::{DfgForm, LutKind, LutPrecision, LutRecipe, LutResolution};
 pub use report::{LutError, LutReport, MeasuredLut};
 pub use rows::{Lut, LutPlan, fit_lut};

@@ -19,9 +19,7 @@ use super::{
 use half::f16;
 use ltcforge_fit::{
     BrdfKind, Precision,
-    albedo::{
-        CosineAxis, DfgForm, Lut, LutAxes, LutKind, LutPrecision, LutRecipe, LutResolution, RoughnessAxis, Texels,
-    },
+    albedo::{AxisParameter, DfgForm, Lut, LutAxes, LutKind, LutPrecision, LutRecipe, LutResolution, Texels},
     math::pow,
     named_list,
 };
@@ -50,7 +48,7 @@ named_list! {
 
 /// The parameters of an engine's table.
 struct Format {
-    cos_theta: CosineAxis,
+    cos_theta: AxisParameter,
     texels: Texels,
     /// The width and height. `None` for engines that take any size.
     size: Option<u32>,
@@ -62,7 +60,7 @@ struct Format {
 
 /// The axes of most engines.
 const PLAIN: Format = Format {
-    cos_theta: CosineAxis::Cosine,
+    cos_theta: AxisParameter::Cosine,
     texels: Texels::Centres,
     size: None,
     form: DfgForm::Karis,
@@ -89,7 +87,7 @@ impl LutEngine {
             }
             Self::Godot | Self::Filament => Format { size: Some(128), form: DfgForm::Filament, third: SHEEN, ..PLAIN },
             Self::Hdrp => Format {
-                cos_theta: CosineAxis::Root,
+                cos_theta: AxisParameter::Root,
                 texels: Texels::Corners,
                 size: Some(64),
                 form: DfgForm::Filament,
@@ -99,7 +97,7 @@ impl LutEngine {
             },
             Self::GltfSampleViewer => Format { precision: LutPrecision::Rgba8, ..PLAIN },
             Self::Blender => Format {
-                cos_theta: CosineAxis::Complement,
+                cos_theta: AxisParameter::Complement,
                 texels: Texels::Corners,
                 size: Some(64),
                 form: DfgForm::F82,
@@ -114,7 +112,7 @@ impl LutEngine {
         let Format { cos_theta, texels, size, form, precision, .. } = self.format();
         self.loads(recipe.table).then(|| LutRecipe {
             form: recipe.form.map(|_| form),
-            axes: Some(LutAxes { roughness: RoughnessAxis::Perceptual, cos_theta, texels }),
+            axes: Some(LutAxes { roughness: AxisParameter::Perceptual, cos_theta, texels }),
             resolution: size.map_or(recipe.resolution, |n| LutResolution::new(recipe.table, |_| n)),
             precision,
             ..*recipe
