@@ -1,15 +1,12 @@
 //! `export`: writes a table as files for an engine, as textures in a chosen format, or in its compact form.
 
-use std::{
-    fmt::Write as _,
-    path::{Path, PathBuf},
-};
+use std::{fmt::Write as _, path::PathBuf};
 
 use clap::{
     ArgGroup, Args,
     builder::{PossibleValue, PossibleValuesParser, TypedValueParser},
 };
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::{
     AnyTable, CommandFailure, Context, Exit, TableChoice, Threads, check_output_folder, listed, lut, tabulated, usage,
@@ -17,6 +14,7 @@ use super::{
 };
 use ltcforge_files::{
     compact::{self, Encoded},
+    digest::Digest,
     manifest::{MeanError, table_report},
 };
 use ltcforge_fit::{Precision, Recipe, Spread, Table};
@@ -100,62 +98,61 @@ fn precisions() -> impl TypedValueParser<Value = Precision> {
 /// Writes the files, and prints the steps to use them.
 pub(super) fn run(args: &ExportArgs, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     check_output_folder(&args.out)?;
-    if let Some(read) = lut::read(&args.table)? {
-        return lut::export(lut_export(args)?, &read, &args.out, &args.threads, context);
+    let pool = args.threads.pool()?;
+    if let Some((_, digest, file)) = lut::read(&args.table)? {
+        let export = lut_export(&args.choice)?;
+        let bundle = pool.install(|| export.bundle(&file, digest)).map_err(usage)?;
+        return write(args, digest, None, &bundle, &[], context);
     }
     let AnyTable { path, digest, table, origin } = AnyTable::read(&args.table)?;
     let recipe = origin.recipe();
     let export = export_of(&args.choice)?;
     // Errors in the options are reported before the table is measured.
     let layout = export.layout(&table).map_err(usage)?;
-    let pool = args.threads.pool()?;
     tabulated::check_complete(&table, &path)?;
     let error = pool.install(|| measured(&table, recipe));
     let about = About::of_table(digest, recipe, error);
-    let (Bundle { files, steps }, compared) = match export {
+    let (bundle, compared) = match export {
         Export::Compact(container) => pool.install(|| compact_bundle(container, &table, &about))?,
         _ => (export.bundle(&table, about).map_err(usage)?, vec![]),
     };
-    let list = write_files(&args.out, &files)?;
+    write(args, digest, Some(layout), &bundle, &compared, context)
+}
+
+/// Writes the files of an export. `layout` is `None` for a lookup table.
+fn write(
+    args: &ExportArgs,
+    digest: Digest,
+    layout: Option<&str>,
+    Bundle { files, steps }: &Bundle,
+    compared: &[Compared],
+    context: &mut Context<'_>,
+) -> Result<Exit, CommandFailure> {
+    let mut list = Vec::new();
+    for file in files {
+        let path = write_in(&args.out, &file.path, &file.bytes)?;
+        let mut value = listed(&path, &file.bytes);
+        value["rounding"] = json!(file.rounding);
+        list.push(value);
+    }
     let value = json!({
         "table": digest, "for": args.choice.engine, "layout": layout, "container": args.choice.container, "files": list,
         "steps": steps, "compared": compared.first(), "compared_second": compared.get(1),
     });
-    let mut text = text(&args.out, &files, &compared, &steps);
-    if let Some(engine) = args.choice.engine.as_deref().and_then(LutEngine::from_name) {
+    let mut text = text(args, files, compared, steps);
+    let lut_engine = args.choice.engine.as_deref().and_then(LutEngine::from_name);
+    if let Some(engine) = lut_engine.filter(|_| layout.is_some()) {
         let _ = writeln!(text, "For the DFG table of {engine}: ltcforge fit dfg, and export its table --for {engine}.");
     }
     context.print(&value, text.trim_end())
 }
 
-/// Writes the files to a folder, and lists them for JSON output.
-pub(super) fn write_files(folder: &Path, files: &[TextureFile]) -> Result<Vec<Value>, CommandFailure> {
-    let write = |file: &TextureFile| {
-        let mut value = listed(&write_in(folder, &file.path, &file.bytes)?, &file.bytes);
-        value["rounding"] = json!(file.rounding);
-        Ok(value)
-    };
-    files.iter().map(write).collect()
-}
-
 /// The export of a lookup table that the options choose.
-fn lut_export(args: &ExportArgs) -> Result<LutExport, CommandFailure> {
-    let choice = &args.choice;
-    if let Some(layout) = &choice.layout {
-        return Err(usage(format!("--layout {layout} is for tables of linearly transformed cosines: leave it out")));
-    }
-    if choice.engine.is_some() && choice.precision.is_some() {
-        return Err(usage("--for has its own precision: leave out --precision"));
-    }
-    let name = choice.engine.as_ref().or(choice.container.as_ref());
-    let export = name.ok_or_else(|| usage("use --for ENGINE or --container NAME"))?.parse().map_err(usage)?;
-    Ok(match (export, choice.precision) {
-        (LutExport::Textures { container, .. }, Some(precision)) => LutExport::Textures { container, precision },
-        (LutExport::Png, Some(_)) => {
-            return Err(usage("--container png has the table's precision: leave out --precision"));
-        }
-        (export, _) => export,
-    })
+fn lut_export(choice: &ExportChoice) -> Result<LutExport, CommandFailure> {
+    let ExportChoice { engine, layout, container, precision } = choice.checked()?;
+    let precision = precision.map(|precision| precision.name().to_owned());
+    let parts: Vec<String> = [engine, layout, container, precision].into_iter().flatten().collect();
+    parts.join(".").parse().map_err(usage)
 }
 
 /// The export that the options choose.
@@ -186,7 +183,7 @@ pub(super) fn export_of(choice: &ExportChoice) -> Result<Export, CommandFailure>
 
 /// The errors between nodes of a table and of its compact form, in lobe widths.
 #[derive(Debug, serde::Serialize)]
-pub(super) struct Compared {
+struct Compared {
     table: Spread,
     decoded: Spread,
 }
@@ -211,11 +208,11 @@ pub(super) fn measured(table: &Table, recipe: Option<&Recipe>) -> Option<MeanErr
 }
 
 /// The text output: the files, the rounding errors, and the steps to use the files.
-pub(super) fn text(folder: &Path, files: &[TextureFile], compared: &[Compared], steps: &[String]) -> String {
+fn text(args: &ExportArgs, files: &[TextureFile], compared: &[Compared], steps: &[String]) -> String {
     let mut out = String::new();
     for file in files {
         // Writing to a String cannot fail.
-        let _ = writeln!(out, "{}  {} bytes", folder.join(&file.path).display(), file.bytes.len());
+        let _ = writeln!(out, "{}  {} bytes", args.out.join(&file.path).display(), file.bytes.len());
     }
     let all = files.iter().fold(RoundingError::default(), |all, file| all.and(file.rounding));
     if all != RoundingError::default() {

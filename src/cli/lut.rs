@@ -1,4 +1,4 @@
-//! Lookup tables in `fit`, `report` and `export`.
+//! Lookup tables in `fit`, `report` and other commands.
 
 use std::{
     fmt::Write as _,
@@ -9,19 +9,16 @@ use std::{
 use serde_json::json;
 
 use super::{
-    CommandFailure, Context, Exit, Interrupt, TableChoice, Threads, check_output_folder,
-    export::{text, write_files},
-    failed,
+    CommandFailure, Context, Exit, Interrupt, TableChoice, Threads, check_output_folder, failed,
     fit::{followed, replace_table},
-    mismatch, progress, shown, table_file, table_path, usage,
+    mismatch, progress, shown, table_file, table_path,
 };
 use ltcforge_files::{
     container::{AnyFile, LutFile, decode_any, encode_lut},
     digest::Digest,
     manifest::lut_manifest,
 };
-use ltcforge_fit::albedo::{Lut, LutError, LutPlan, LutRecipe, LutReport, MeasuredLut, fit_lut};
-use ltcforge_textures::{Bundle, LutExport, PNG};
+use ltcforge_fit::albedo::{Lut, LutPlan, LutRecipe, LutReport, MeasuredLut, fit_lut};
 
 /// Computes a lookup table, and writes the table and its manifest.
 pub(super) fn fit(
@@ -49,7 +46,7 @@ pub(super) fn fit(
     context.print(&value, &format!("{}\n{digest}", table.display()))?;
     if !context.json {
         eprintln!("{} texels in {fit_seconds:.2} s", recipe.entries());
-        eprintln!("error after linear filtering: {}", figures(&report.stored));
+        eprintln!("error after linear filtering: {}", report.stored);
         eprintln!("next: {}", next[0]);
     }
     Ok(Exit::Ok)
@@ -101,37 +98,11 @@ fn report_text(path: &Path, recipe: &LutRecipe, report: &LutReport) -> String {
         report.places
     );
     // Writing to a String cannot fail.
-    let _ = writeln!(out, "stored                  {}", figures(&report.stored));
-    let _ = writeln!(out, "exact values in texels  {}", figures(&report.sampled));
+    let _ = writeln!(out, "stored                  {}", report.stored);
+    let _ = writeln!(out, "exact values in texels  {}", report.sampled);
     for (format, error) in &report.formats {
-        let _ = writeln!(out, "as {format:<20} {}", figures(error));
+        let _ = writeln!(out, "as {format:<20} {error}");
     }
     let _ = writeln!(out, "\npicture: ltcforge plot {} error -o lut.png", path.display());
     out
-}
-
-fn figures(error: &LutError) -> String {
-    format!("mean {:.5}, p95 {:.5}, max {:.5}", error.mean, error.p95, error.max)
-}
-
-/// Writes a lookup table as files.
-pub(super) fn export(
-    export: LutExport,
-    (_, digest, file): &(PathBuf, Digest, LutFile),
-    folder: &Path,
-    threads: &Threads,
-    context: &mut Context<'_>,
-) -> Result<Exit, CommandFailure> {
-    export.recipe(&file.recipe).map_err(usage)?;
-    let Bundle { files, steps } = threads.pool()?.install(|| export.bundle(file, *digest)).map_err(usage)?;
-    let list = write_files(folder, &files)?;
-    let (engine, container) = match export {
-        LutExport::Engine(engine) => (Some(engine), None),
-        LutExport::Png => (None, Some(PNG)),
-        LutExport::Textures { container, .. } => (None, Some(container.name())),
-    };
-    let value = json!({
-        "table": digest, "for": engine, "container": container, "files": list, "steps": steps,
-    });
-    context.print(&value, text(folder, &files, &[], &steps).trim_end())
 }

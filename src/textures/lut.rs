@@ -38,7 +38,7 @@ pub const PNG: &str = "png";
 /// The lookup table does not have these files.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum LutExportError {
-    /// The engine has no lookup table of this kind, or a picture has too few axes.
+    /// The engine has no lookup table of this kind, or a picture too few axes.
     #[error("{export} has no file of table {table}; engines that load such a table: {}; other formats: {}", of_kind(*table), formats(*table))]
     Kind {
         /// The export.
@@ -129,10 +129,7 @@ impl LutExport {
         let recipe = self.recipe(&of.recipe)?;
         let lut = if recipe == of.recipe { of.lut.clone() } else { fitted(&recipe) };
         let error = MeasuredLut::new(&recipe).error(&lut.texels);
-        let error = format!(
-            "{} texels; error after linear filtering: mean {:.5}, p95 {:.5}, max {:.5}",
-            recipe.resolution, error.mean, error.p95, error.max
-        );
+        let error = format!("{} texels; error after linear filtering: {error}", recipe.resolution);
         let about = About::of_lut(digest, recipe_document::canonical_json(&of.recipe), error);
         let (key, bundle) = match self {
             Self::Engine(engine) => ("for", engine.bundle(&recipe, lut, &about)?),
@@ -174,14 +171,15 @@ fn pictures(recipe: &LutRecipe, lut: &Lut) -> Bundle {
     let name = recipe.table.name();
     let texel = |texel: &[f32]| [0, 1, 2].map(|i| texel.get(i).copied().unwrap_or(0.0));
     let numbers = lut.texels.chunks(recipe.channels().len()).flat_map(texel);
-    let (depth, bytes) = match recipe.precision {
-        LutPrecision::Rgba8 => (png::BitDepth::Eight, numbers.map(byte).collect()),
-        _ => {
-            let words = numbers.map(|x| (x.clamp(0.0, 1.0) * 65_535.0).round() as u16);
-            (png::BitDepth::Sixteen, words.flat_map(u16::to_be_bytes).collect::<Vec<u8>>())
-        }
+    let (depth, bytes): (_, Vec<u8>) = if recipe.precision == LutPrecision::Rgba8 {
+        (png::BitDepth::Eight, numbers.map(byte).collect())
+    } else {
+        let words = numbers.map(|x| (x.clamp(0.0, 1.0) * 65_535.0).round() as u16);
+        (png::BitDepth::Sixteen, words.flat_map(u16::to_be_bytes).collect())
     };
-    let mut files = vec![unrounded(&format!("{name}.png"), png(flat(recipe), png::ColorType::Rgb, depth, &bytes))];
+    let axes = recipe.resolution.texels();
+    let picture = png([axes[1], axes[0]], png::ColorType::Rgb, depth, &bytes);
+    let mut files = vec![unrounded(&format!("{name}.png"), picture)];
     if let Some(average) = &lut.average {
         files.push(unrounded("average.bin", average.iter().flat_map(|x| x.to_le_bytes()).collect()));
     }
@@ -231,17 +229,11 @@ fn sampling(recipe: &LutRecipe) -> [String; 2] {
     [axes, texels]
 }
 
-/// The width and height of a table of two axes.
-fn flat(recipe: &LutRecipe) -> [u32; 2] {
-    let texels = recipe.resolution.texels();
-    [texels[1], texels[0]]
-}
-
 fn texture(name: &str, recipe: &LutRecipe, texels: Vec<f32>) -> Result<Texture, TextureFileError> {
     let size = match *recipe.resolution.texels() {
         [alpha, ratio, theta, phi] => [phi, ratio * theta, alpha],
         [ior, roughness, cosine] => [cosine, roughness, ior],
-        _ => [flat(recipe)[0], flat(recipe)[1], 1],
+        ref axes => [axes[1], axes[0], 1],
     };
     Ok(Texture::new(name, size, 1, recipe.channels(), texels)?)
 }

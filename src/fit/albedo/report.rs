@@ -1,5 +1,7 @@
 //! The error of a lookup table after linear filtering.
 
+use std::fmt;
+
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -23,6 +25,12 @@ pub struct LutError {
     pub p95: f64,
     /// The largest error.
     pub max: f64,
+}
+
+impl fmt::Display for LutError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "mean {:.5}, p95 {:.5}, max {:.5}", self.mean, self.p95, self.max)
+    }
 }
 
 /// The errors of a lookup table.

@@ -105,7 +105,9 @@ pub(super) fn solve(places: &Places, values: &[f64], is_bounded: bool) -> Vec<f6
         }
         descend(&mut texels, places, values, &weights, if round == 0 { 2 * STEPS } else { STEPS });
         if is_bounded {
-            texels.iter_mut().for_each(|texel| *texel = texel.clamp(0.0, 1.0));
+            for texel in &mut texels {
+                *texel = texel.clamp(0.0, 1.0);
+            }
         }
     }
     texels

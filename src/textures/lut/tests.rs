@@ -111,6 +111,8 @@ fn pixels(bytes: &[u8]) -> (u32, Vec<u8>) {
 
 #[test]
 fn every_engine_gets_its_size_channels_and_format() {
+    /// Fewer texels take less time.
+    const N: usize = 8;
     let of = fitted(r#"{"table": "dfg", "resolution": {"roughness": 16, "cos_theta": 16}}"#).recipe;
     for (engine, path, size) in [
         (LutEngine::Babylon, "environmentBRDF.png", 256),
@@ -122,8 +124,6 @@ fn every_engine_gets_its_size_channels_and_format() {
     ] {
         let recipe = engine.recipe(&of).expect("the engine has this table");
         assert_eq!(recipe.resolution.texels(), [size; 2], "{engine}");
-        // Fewer texels take less time.
-        const N: usize = 8;
         let recipe = LutRecipe { resolution: LutResolution::new(recipe.table, |_| N as u32), ..recipe };
         let bundle = engine.bundle(&recipe, super::fitted(&recipe), &About::default()).expect("files");
         let bytes = &bundle.files[0].bytes;
