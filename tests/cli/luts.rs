@@ -38,18 +38,18 @@ fn a_dfg_table_is_fitted_measured_and_exported() {
 }
 
 #[test]
-fn an_anisotropic_table_is_locked_as_textures() {
+fn a_table_of_three_axes_is_locked_as_textures() {
     let folder = tempfile::tempdir().expect("a folder");
-    let recipe = r#"{"table": "anisotropic_dfg", "resolution": {"alpha": 2, "ratio": 2, "theta": 2, "phi": 2}}"#;
+    let recipe = r#"{"table": "transmission", "resolution": {"ior": 2, "roughness": 2, "cos_theta": 2}}"#;
     fs::write(folder.path().join("recipe.json"), recipe).expect("a recipe");
     let lock = |words: &[&str]| {
-        run(folder.path(), [&["lock", "brdf", "--recipe", "recipe.json", "--out", "brdf"], words].concat())
+        run(folder.path(), [&["lock", "glass", "--recipe", "recipe.json", "--out", "glass"], words].concat())
     };
     let refused = lock(&["--for", "three"]).exited(2).stderr;
-    assert!(refused.contains("three has no file of table anisotropic_dfg"), "{refused}");
+    assert!(refused.contains("three has no file of table transmission"), "{refused}");
     lock(&["--container", "ktx2", "--precision", "half"]).exited(0);
     run(folder.path(), ["pull"]).exited(0);
-    run(folder.path(), ["verify", "--refit", "brdf/ltcforge.json", "brdf.safetensors"]).exited(0);
-    fs::write(folder.path().join("brdf/anisotropic_dfg.ktx2"), "other").expect("a file");
-    run(folder.path(), ["verify", "brdf/ltcforge.json"]).exited(3);
+    run(folder.path(), ["verify", "--refit", "glass/ltcforge.json", "glass.safetensors"]).exited(0);
+    fs::write(folder.path().join("glass/transmission.ktx2"), "other").expect("a file");
+    run(folder.path(), ["verify", "glass/ltcforge.json"]).exited(3);
 }
