@@ -2,7 +2,6 @@
 
 use std::{
     num::NonZeroU64,
-    ops::ControlFlow,
     path::{Path, PathBuf},
     time::Instant,
 };
@@ -12,15 +11,14 @@ use indicatif::ProgressBar;
 use serde_json::json;
 
 use super::{
-    CommandFailure, Context, Exit, Interrupt, Threads, check_output_folder, failed, file_failure, input, lut, progress,
-    report::asymmetry_line, shown, table_file::TABLE_FOLDERS, tabulated, write_in,
+    CommandFailure, Context, Exit, Interrupt, Threads, check_output_folder, failed, input, lut, progress,
+    report::asymmetry_line, shown, table_file, table_file::TABLE_FOLDERS, tabulated, write_in,
 };
 use ltcforge_files::{
     container,
     digest::Digest,
     manifest::{manifest_of, table_report},
     recipe_document::AnyRecipe,
-    replace::replace_pair,
     tabulated::kept_name,
 };
 use ltcforge_fit::{Plan, Recipe, Report, Table, fit_plan};
@@ -105,18 +103,8 @@ pub(super) fn store(out: &Path, recipe: &Recipe, table: &Table) -> Result<Stored
     let file = container::encode(recipe, table).map_err(failed)?;
     let report = table_report(table, recipe);
     let manifest = manifest_of(&file, table, recipe, &report).map_err(failed)?;
-    let (digest, paths) = replace_table(out, &file, &manifest)?;
+    let (digest, paths) = table_file::replace(out, &file, &manifest)?;
     Ok(Stored { digest, bytes: file.len(), paths, report })
-}
-
-/// Writes a table's file and its manifest to the folder `out`, and returns the digest and the paths. The table is written
-/// first: if the process ends in between, there is no manifest without its table.
-pub(super) fn replace_table(out: &Path, file: &[u8], manifest: &str) -> Result<(Digest, [PathBuf; 2]), CommandFailure> {
-    let digest = Digest::of(file);
-    let paths = ["safetensors", "manifest.json"].map(|extension| out.join(format!("{}.{extension}", digest.hex())));
-    replace_pair((&paths[0], file), (&paths[1], manifest.as_bytes()))
-        .map_err(|error| file_failure(&error.path, &error.source))?;
-    Ok((digest, paths))
 }
 
 /// Fits a recipe on the current rayon pool, with its own progress bar.
@@ -132,12 +120,5 @@ pub(super) fn fit_alone(recipe: &Recipe, draws: bool, interrupt: &Interrupt) -> 
 
 /// Fits the table of a plan. Returns `None` when the user stops the fit.
 pub(super) fn fit(plan: &Plan, bar: &ProgressBar, interrupt: &Interrupt) -> Option<Table> {
-    fit_plan(plan, &|done| followed(done, bar, interrupt))
-}
-
-/// Draws the progress of a fit, and stops it when the user asks.
-pub(super) fn followed(done: u64, bar: &ProgressBar, interrupt: &Interrupt) -> ControlFlow<()> {
-    // Threads may report out of order, but the bar must not move backwards.
-    bar.update(|bar| bar.set_pos(bar.pos().max(done)));
-    if interrupt.is_set() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    fit_plan(plan, &|done| progress::follow(done, bar, interrupt))
 }

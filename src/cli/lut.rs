@@ -9,9 +9,8 @@ use std::{
 use serde_json::json;
 
 use super::{
-    CommandFailure, Context, Exit, Interrupt, TableChoice, Threads, check_output_folder, failed,
-    fit::{followed, replace_table},
-    mismatch, progress, shown, table_file, table_path,
+    CommandFailure, Context, Exit, Interrupt, TableChoice, Threads, check_output_folder, failed, mismatch, progress,
+    shown, table_file, table_path,
 };
 use ltcforge_files::{
     container::{AnyFile, LutFile, decode_any, encode_lut},
@@ -36,7 +35,7 @@ pub(super) fn fit(
     let bytes = encode_lut(recipe, &lut).map_err(failed)?;
     let report = pool.install(|| MeasuredLut::new(recipe).report(&lut));
     let manifest = lut_manifest(&bytes, recipe, &report).map_err(failed)?;
-    let (digest, [table, manifest]) = replace_table(out, &bytes, &manifest)?;
+    let (digest, [table, manifest]) = table_file::replace(out, &bytes, &manifest)?;
     let next = [format!("ltcforge report {}", shown(&table))];
     let value = json!({
         "table": digest, "file": shown(&table), "manifest": shown(&manifest), "bytes": bytes.len(),
@@ -55,7 +54,7 @@ pub(super) fn fit(
 /// Computes a lookup table on the current rayon pool, with its own progress bar.
 pub(super) fn fit_alone(recipe: &LutRecipe, draws: bool, interrupt: &Interrupt) -> Result<Lut, CommandFailure> {
     let bar = progress::bar(draws, recipe.entries());
-    let lut = fit_lut(&LutPlan::new(recipe), &|done| followed(done, &bar, interrupt));
+    let lut = fit_lut(&LutPlan::new(recipe), &|done| progress::follow(done, &bar, interrupt));
     bar.finish_and_clear();
     lut.ok_or_else(CommandFailure::interrupted)
 }

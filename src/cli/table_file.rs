@@ -1,4 +1,4 @@
-//! Finds table files by their digests, and checks them.
+//! Finds table files by their digests, checks them, and writes them.
 
 use std::{
     collections::BTreeMap,
@@ -11,6 +11,7 @@ use ltcforge_files::{
     bounded::read_named,
     container::{AnyFile, decode_any},
     digest::Digest,
+    replace::replace_pair,
     text::other_form,
 };
 
@@ -86,6 +87,16 @@ pub(super) fn check(path: &Path, bytes: &[u8], expected: Option<Digest>) -> Resu
 /// The digest in the name of a file.
 pub(super) fn digest_in_name(path: &Path) -> Option<Digest> {
     path.file_name()?.to_str()?.split('.').next()?.parse().ok()
+}
+
+/// Writes a table's file and its manifest to the folder `out`, and returns the digest and the paths. The table is written
+/// first: if the process ends in between, there is no manifest without its table.
+pub(super) fn replace(out: &Path, file: &[u8], manifest: &str) -> Result<(Digest, [PathBuf; 2]), CommandFailure> {
+    let digest = Digest::of(file);
+    let paths = ["safetensors", "manifest.json"].map(|extension| out.join(format!("{}.{extension}", digest.hex())));
+    replace_pair((&paths[0], file), (&paths[1], manifest.as_bytes()))
+        .map_err(|error| file_failure(&error.path, &error.source))?;
+    Ok((digest, paths))
 }
 
 #[cfg(test)]
