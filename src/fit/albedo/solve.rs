@@ -57,7 +57,7 @@ impl Places {
         Self { count: axes.iter().map(|axis| axis.texels).product(), texels, offsets, filters, domain }
     }
 
-    /// What the linear filter reads at each place.
+    /// The numbers that the linear filter reads at the places.
     pub(super) fn filtered<'a>(&'a self, texels: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
         let filters = self.filters.chunks_exact(self.offsets.len());
         self.texels.iter().zip(filters).map(move |(first, filters)| {
