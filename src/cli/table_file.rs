@@ -89,8 +89,8 @@ pub(super) fn digest_in_name(path: &Path) -> Option<Digest> {
     path.file_name()?.to_str()?.split('.').next()?.parse().ok()
 }
 
-/// Writes a table's file and its manifest to the folder `out`, and returns the digest and the paths. The table is written
-/// first: if the process ends in between, there is no manifest without its table.
+/// Writes a table's file and its manifest to the folder `out`, and returns the digest and the paths. The table is
+/// written first: if the process ends in between, there is no manifest without its table.
 pub(super) fn replace(out: &Path, file: &[u8], manifest: &str) -> Result<(Digest, [PathBuf; 2]), CommandFailure> {
     let digest = Digest::of(file);
     let paths = ["safetensors", "manifest.json"].map(|extension| out.join(format!("{}.{extension}", digest.hex())));

@@ -67,8 +67,8 @@ pub struct FilePin {
 }
 
 impl ExportPin {
-    /// The name that a service uses for this export: the engine, or `LAYOUT.CONTAINER.PRECISION`, or the compact form, or
-    /// for a lookup table `CONTAINER` or `CONTAINER.PRECISION`.
+    /// The name that a service uses for this export: the engine, or `LAYOUT.CONTAINER.PRECISION`, or the compact form,
+    /// or for a lookup table `CONTAINER` or `CONTAINER.PRECISION`.
     /// `None` if the fields do not name an export.
     #[must_use]
     pub fn name(&self) -> Option<String> {

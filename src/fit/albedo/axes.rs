@@ -22,8 +22,8 @@ pub(super) const FEWEST: usize = 2;
 /// A map from parameters in [0, 1] to values, and its inverse.
 pub(super) type Curve = [fn(f64) -> f64; 2];
 
-/// The index of refraction `n` by the cube root of `2 (n - 1) / (n + 1)`, because the albedo for low views is steep near
-/// an index of one.
+/// The index of refraction `n` by the cube root of `2 (n - 1) / (n + 1)`, because the albedo for low views is steep
+/// near an index of one.
 pub(super) const INDEX: Curve = [|x| (2.0 + x * x * x) / (2.0 - x * x * x), |n| cbrt(2.0 * (n - 1.0) / (n + 1.0))];
 /// The axes of layout `reflected`.
 pub(super) const ALPHA: Curve = [|x| reflected().alpha.value(x), |alpha| reflected().alpha.invert(alpha)];
