@@ -36,8 +36,7 @@ pub enum Help {
 
 impl Help {
     /// The change in words.
-    #[must_use]
-    pub fn in_words(self) -> &'static str {
+    pub(crate) fn in_words(self) -> &'static str {
         match self {
             Self::ClosedForm => "the closed form",
             Self::Roughness => "more nodes near this roughness",
