@@ -19,6 +19,9 @@ const OF_FILES: [u64; 2] = [1 << 26, 1 << 28];
 /// four channels of one image during decoding, take 208 MiB.
 const OF_ONE_FILE: [u64; 2] = [1 << 24, 3 << 24];
 
+/// Channels of an image that several textures may share, or why they are missing.
+type Kept = Result<Arc<Pixels>, String>;
+
 /// Reads textures, and counts the pixels and bytes of their images.
 pub(super) struct Textures<'a> {
     document: &'a Document,
@@ -27,8 +30,8 @@ pub(super) struct Textures<'a> {
     go_on: &'a GoOn<'a>,
     /// Maximum number of pixels of one image, and of all images.
     most: [u64; 2],
-    /// Channels of images that several textures may share, or why they are missing.
-    kept: BTreeMap<(usize, &'static [usize]), Result<Arc<Pixels>, String>>,
+    /// By the image and its channels.
+    kept: BTreeMap<(usize, &'static [usize]), Kept>,
     /// Pixels and bytes of all images so far. Images that share their bytes are counted separately.
     pixels: u64,
     bytes: u64,
