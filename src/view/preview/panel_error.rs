@@ -84,11 +84,11 @@ fn errors_of_tiles(
             *pixels += m + n;
             sum.mean_radiance += radiance;
             if m > 0.0 && n > 0.0 {
-                for channel in 0..3 {
-                    let [a, b] = [apart[0][channel] / m, apart[1][channel] / n];
+                let share = (m + n) / 3.0;
+                for (a, b) in apart[0].map(|sum| sum / m).into_iter().zip(apart[1].map(|sum| sum / n)) {
                     let sign = if a * b > 0.0 { 0.5 } else { -0.5 };
-                    sum.mean_absolute += (m + n) / 3.0 * sign * (a.abs() + b.abs());
-                    sum.noise += (m + n) / 3.0 * (a - b).abs() / (1.0 / m + 1.0 / n).sqrt();
+                    sum.mean_absolute += share * sign * (a.abs() + b.abs());
+                    sum.noise += share * (a - b).abs() / (1.0 / m + 1.0 / n).sqrt();
                 }
             }
         }
