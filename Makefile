@@ -183,6 +183,7 @@ test-all: test schemathesis lint-deploy
 	$(CARGO) test --locked --test core --test product --test engines -- --ignored
 	@$(MAKE) --no-print-directory test-native
 	$(CARGO) test --locked --test product -- $(SLOW)
+	$(CARGO) test --locked -p ltcforge-plan --lib -- --ignored
 	$(CARGO) test --locked -p ltcforge-studies -p ltcforge-driver -p ltcforge-benches --lib --bins
 
 # Tests the pinned digests again. Compiles the crates that make tables for this machine's processor, and for a processor

@@ -38,7 +38,7 @@ pub struct PlanArgs {
     /// Table to check, with --check: a file, or the first digits of a digest
     #[arg(requires = "check")]
     pub table: Option<PathBuf>,
-    /// Find the smallest table with at most this mean error on the scene
+    /// Find the smallest table with this mean error; limit of --check
     #[arg(long, value_name = "E", value_parser = positive)]
     pub error: Option<f64>,
     /// Find the best table of at most this many bytes
@@ -68,16 +68,16 @@ pub struct PlanArgs {
     /// Folder for the recipe, `plan.json` and `plan.svg`
     #[arg(short, long, value_name = "DIR", default_value = ".")]
     pub out: PathBuf,
-    /// Fit the table, measure it, and correct the plan once if needed
+    /// Fit the table, measure it, and correct the plan if needed
     #[arg(long)]
     pub fit: bool,
-    /// Replace the scene's area lights by these (CSV, scene coordinates)
+    /// Replace the scene's area lights with those in FILE (CSV)
     #[arg(long, value_name = "FILE")]
     pub lights: Option<PathBuf>,
-    /// Write nothing; exit with 3 if TABLE's error on a material is too large
+    /// Exit with 3 if an error exceeds --error (default: 1.5x its plan)
     #[arg(long, requires = "table", conflicts_with_all = ["bytes", "seconds", "engine", "fit", "ship"])]
     pub check: bool,
-    /// Also print nodes, samples and registers
+    /// Also print nodes and registers
     #[arg(short, long)]
     pub verbose: bool,
     /// The folder of tables.
@@ -259,7 +259,9 @@ fn write_table(
     if let Some(export) = Form::of_engine(args.engine).engine.map(Export::Engine).or(compact) {
         let error = export::measured(table, Some(recipe));
         for file in export.bundle(table, About::of_table(digest, Some(recipe), error)).map_err(usage)?.files {
-            files.push(shown(&write_in(&args.out, &file.path, &file.bytes)?));
+            // A scene may have a table of each scattering model.
+            let folder = if recipe.brdf() == BrdfKind::Ggx { args.out.clone() } else { args.out.join("sheen") };
+            files.push(shown(&write_in(&folder, &file.path, &file.bytes)?));
         }
     }
     Ok(digest)

@@ -43,7 +43,10 @@ impl Probes {
         let lit = needs.lit();
         let places = if lit.is_empty() { needs.draw(count) } else { lit };
         let is_lit = !needs.scene.lights.is_empty();
-        let radiance = |(index, light): &(usize, AnyLight)| (needs.scene.lights[*index].radiance, light.clone());
+        // The brightest light counts as radiance 1, so that errors do not depend on the unit of the scene.
+        let brightest = needs.scene.lights.iter().map(|light| light.radiance).fold(0.0, f64::max);
+        let radiance =
+            |(index, light): &(usize, AnyLight)| (needs.scene.lights[*index].radiance / brightest, light.clone());
         let lights: Vec<Vec<(f64, AnyLight)>> = if is_lit {
             places.iter().map(|place| place.lights.iter().map(radiance).collect()).collect()
         } else {

@@ -106,7 +106,10 @@ fn advice(scene: &Scene, plan: &TablePlan<'_>) -> String {
             without.in_words(),
             compared(error, table)
         ),
-        None => format!("Use this table of {size}: it is {against}{worst}{light}."),
+        None => match other.filter(|other| plan.engine_table().is_some() && table > WORSE * other) {
+            Some(_) => format!("Keep {}: a table of {size} would be {against}{worst}{light}.", stock(plan)),
+            None => format!("Use this table of {size}: it is {against}{worst}{light}."),
+        },
     }
 }
 
@@ -179,11 +182,13 @@ pub fn left_out(scene: &Scene) -> Vec<String> {
             groups.entry(("not covered on ", what)).or_default().push(name);
         }
     }
+    // Notes that differ only in the name at their start and in numbers are one note.
+    let mut notes: BTreeMap<String, (&str, Vec<&str>)> = BTreeMap::new();
     for note in &scene.notes {
-        // Notes that start with different names but say the same are one note.
         let (of, what) = note.split_once(": ").unwrap_or(("", note));
-        groups.entry((NOTE, what)).or_default().push(of);
+        notes.entry(what.replace(|c: char| c.is_ascii_digit(), "")).or_insert((what, Vec::new())).1.push(of);
     }
+    groups.extend(notes.into_values().map(|(what, names)| ((NOTE, what), names)));
     let line = |((kind, what), names): ((&str, &str), Vec<&str>)| match names[..] {
         [""] => format!("{kind}{what}"),
         [name] => format!("{kind}{name}: {what}"),

@@ -9,7 +9,7 @@ use super::{
 
 pub(super) const EXT_LIGHTS_AREA: &str = "EXT_lights_area";
 /// Extensions that a plan reads, that do not affect it, or that a note describes.
-const READ: [&str; 16] = [
+pub(super) const READ: [&str; 17] = [
     EXT_LIGHTS_AREA,
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -23,6 +23,7 @@ const READ: [&str; 16] = [
     "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_variants",
+    "KHR_meshopt_compression",
     "KHR_mesh_quantization",
     "KHR_texture_basisu",
     "KHR_texture_transform",

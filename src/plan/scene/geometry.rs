@@ -91,7 +91,10 @@ impl Geometry {
     fn bend(&mut self, matrices: &[DMat4], joints: &[[f32; 4]], weights: &[[f32; 4]]) {
         for (vertex, (joints, weights)) in joints.iter().zip(weights).enumerate().take(self.positions.len()) {
             let part = |(joint, weight): (&f32, &f32)| Some(*matrices.get(*joint as usize)? * f64::from(*weight));
-            let matrix = joints.iter().zip(weights).filter_map(part).fold(DMat4::ZERO, |sum, part| sum + part);
+            // Further sets of joints are not read, so the weights of this set need not add up to one.
+            let sum = f64::from(weights.iter().sum::<f32>());
+            let matrix = joints.iter().zip(weights).filter_map(part).fold(DMat4::ZERO, |sum, part| sum + part)
+                * (1.0 / if sum > 0.0 { sum } else { 1.0 });
             let moved = |vector: [f32; 3], matrix: &DMat4| {
                 matrix.transform_vector3(DVec3::from(vector.map(f64::from))).as_vec3().to_array()
             };

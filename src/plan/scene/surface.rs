@@ -93,6 +93,7 @@ pub(super) fn gather(
     let shapes = scene.lights.iter().map(|light| light.shapes.len()).sum::<usize>();
     let lit = (LIT / shapes as f64).clamp(LEAST_LIT, MOST_LIT);
     let mut so_far = 0.0;
+    let order: Vec<usize> = (0..materials.len()).map(|slot| materials[..slot].iter().flatten().count()).collect();
     let mut gathered: Vec<Gathered> = materials.iter().map(|_| Gathered::default()).collect();
     for (part, slot, material) in parts() {
         let mut sets = material.sets();
@@ -114,13 +115,17 @@ pub(super) fn gather(
                     let reached = reached(&geometry, world);
                     instance.gather(&mut gathered[slot], (&reached, per_point), go_on)?;
                     if !scene.lights.is_empty() {
-                        let of = materials[..slot].iter().flatten().count();
                         // Half of the points are spread by area, and half evenly over the instances.
                         let share = area_of(&reached) / total + 1.0 / instances_of_all as f64;
                         let expected = 0.5 * lit * share;
                         let count = (so_far + expected).floor() - so_far.floor();
                         so_far += expected;
-                        scene.places.extend(instance.lit(of, count as usize, (&reached, expected), &scene.lights));
+                        scene.places.extend(instance.lit(
+                            order[slot],
+                            count as usize,
+                            (&reached, expected),
+                            &scene.lights,
+                        ));
                     }
                 }
             }
