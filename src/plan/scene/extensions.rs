@@ -9,7 +9,7 @@ use super::{
 
 pub(super) const EXT_LIGHTS_AREA: &str = "EXT_lights_area";
 /// Extensions that a plan reads, that do not affect it, or that a note describes.
-pub(super) const READ: [&str; 17] = [
+const READ: [&str; 17] = [
     EXT_LIGHTS_AREA,
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",

@@ -6,7 +6,7 @@ use super::{
     accessor::Buffers,
     document::{AreaLight, AreaLights, Document, Emission, Material, Rect},
     error::{Faults, SceneError, named, shown},
-    extensions::{EXT_LIGHTS_AREA, READ, extension},
+    extensions::{EXT_LIGHTS_AREA, extension, unknown},
     geometry::Geometry,
     graph::Graph,
     material::luminance,
@@ -81,8 +81,7 @@ pub(super) fn read(
         }
     }
     emissive(document, buffers, graph, (&mut lights, &mut notes), go_on)?;
-    let unread =
-        document.extensions_used.iter().filter(|name| name.contains("_lights_") && !READ.contains(&name.as_str()));
+    let unread = unknown(document.extensions_used.iter()).filter(|name| name.contains("_lights_"));
     notes.extend(unread.map(|name| format!("{}: its lights are not read", shown(name))));
     if document.extensions.contains_key("KHR_lights_punctual") {
         notes

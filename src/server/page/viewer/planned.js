@@ -145,7 +145,7 @@ export function planned( show, shown, light, signal ) {
 				const swatch = el( 'canvas', { class: 'swatch', width: 1, height: 1, 'aria-hidden': 'true' } );
 				swatch.style.background = `rgb(${ material.factors.base.map( srgb ) })`;
 				const { alpha_x: x, alpha_y: y } = material;
-				return { name, material, swatch, use, error, row: el( 'tr', {}, el( 'th', { scope: 'row' }, el( 'div', { class: 'named' }, swatch, name ) ), el( 'td', { class: 'number' }, ( x === y ? [ x ] : [ x, y ] ).map( ( alpha ) => number( Math.sqrt( alpha ) ) ).join( ', ' ) ), use, error ) };
+				return { name, material, swatch, use, error, row: el( 'tr', {}, el( 'th', { scope: 'row' }, el( 'span', { class: 'named' }, swatch, name ) ), el( 'td', { class: 'number' }, ( x === y ? [ x ] : [ x, y ] ).map( ( alpha ) => number( Math.sqrt( alpha ) ) ).join( ', ' ) ), use, error ) };
 			} );
 			fill( materials, rows.map( ( { row } ) => row ) );
 			busy( 'Planning the best table for this scene…' );
