@@ -63,7 +63,7 @@ fn standard_is_closer_to_the_best_fit() {
 /// table.
 #[test]
 fn on_the_materials_of_figure_14_a_draft_has_smaller_errors_than_the_published_table() {
-    const PUBLISHED: [f64; 4] = [0.00692, 0.02223, 0.02130, 0.05605];
+    const PUBLISHED: [f64; 4] = [0.00681, 0.02142, 0.02126, 0.05604];
     let table = Arc::new(ShaderTable::new(&table(r#"{"preset": "draft"}"#), TexelFormat::F32));
     let scene = Scene { mode: Mode::Difference, size: 64, spp: 1024, ..NamedScene::Figure14.scene() };
     let rendered = Preview::new(Adapter::Any).render(&table, &scene, &|| false).expect("a picture");
