@@ -39,7 +39,7 @@ pub const PNG: &str = "png";
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum LutExportError {
     /// The engine has no lookup table of this kind, or a picture too few axes.
-    #[error("{export} has no file of table {table}; engines that load such a table: {}; other formats: {}", of_kind(*table), formats(*table))]
+    #[error("{export} has no file of table {table}; {}: {}", of_kind(*table), formats(*table))]
     Kind {
         /// The export.
         export: LutExport,
@@ -67,10 +67,14 @@ fn formats(table: LutKind) -> String {
     png + &listed(TextureContainer::ALL)
 }
 
-/// The engines that load tables of a kind.
+/// The engines that load tables of a kind, before the list of formats.
 fn of_kind(table: LutKind) -> String {
     let engines: Vec<_> = LutEngine::ALL.iter().copied().filter(|engine| engine.loads(table)).collect();
-    if engines.is_empty() { "none".to_owned() } else { listed(&engines) }
+    if engines.is_empty() {
+        "no engine export has one; use a container".to_owned()
+    } else {
+        format!("engines that load such a table: {}; other formats", listed(&engines))
+    }
 }
 
 impl fmt::Display for LutExport {

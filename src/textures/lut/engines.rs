@@ -1,7 +1,7 @@
 //! The lookup tables of engines: parameters, channels, size, format, name.
 //!
 //! Sources: three.js 0.187 (npm), `@babylonjs/core` 9.35 (npm), and copies of the sources of Bevy 0.19, Godot, Filament,
-//! HDRP, glTF-Sample-Renderer and Blender (2026). Godot and HDRP draw their tables when they start; their files
+//! HDRP, glTF-Sample-Renderer and Blender (2026). Godot and HDRP compute their tables at startup; their files
 //! have the numbers of these textures.
 
 use std::{fmt::Write as _, iter::repeat, slice};
@@ -69,6 +69,9 @@ const PLAIN: Format = Format {
 };
 const SHEEN: Option<(LutKind, BrdfKind)> = Some((LutKind::Sheen, BrdfKind::CharlieNeubelt));
 
+/// The normalisation of HDRP's `DisneyDiffuseNoPI`, in `BSDF.hlsl` of its Core RP library.
+const DISNEY_NORMALISATION: f32 = 1.035_71;
+
 /// The largest number of rows of the table for a third channel.
 const ROWS: u32 = 64;
 
@@ -123,10 +126,10 @@ impl LutEngine {
     fn area_lights(self) -> String {
         match self {
             Self::Filament | Self::GltfSampleViewer => format!("{self} has no area lights, so it needs no LTC table."),
-            Self::Blender => "Blender's table for area lights is the array ltc_mat_ggx in the same file: \
-                              ltcforge export LTC_TABLE --layout ltc2017 --container c."
+            Self::Blender => "Area lights use the array ltc_mat_ggx in the same file: \
+                              ltcforge export TABLE --layout ltc2017 --container c -o DIR"
                 .to_owned(),
-            _ => format!("For the table of area lights of {self}: ltcforge export LTC_TABLE --for {self}."),
+            _ => format!("Table for area lights: ltcforge export TABLE --for {self} -o DIR"),
         }
     }
 
@@ -135,10 +138,16 @@ impl LutEngine {
         // The cosine is along x and roughness along y.
         let mut texture = texture("dfg", recipe, lut.texels)?;
         if let Some((table, brdf)) = self.format().third.filter(|_| recipe.table == LutKind::Dfg) {
-            let third = third(&LutRecipe { table, brdf, form: None, ..*recipe });
-            // HDRP stores Burley's diffuse reflection, from .5 to 1.5, minus .5.
-            let offset = if self == Self::Hdrp { 0.5 } else { 0.0 };
-            texture = with_channel(texture, table.name(), third.iter().map(|x| x - offset));
+            // Albedos above 1 must not be clamped before the offset is subtracted.
+            let precision = if self == Self::Hdrp { LutPrecision::F32 } else { recipe.precision };
+            let third = third(&LutRecipe { table, brdf, form: None, precision, ..*recipe });
+            let number = |x: &f32| match self {
+                Self::Hdrp => x / DISNEY_NORMALISATION - 0.5,
+                // RGBD has one divisor for all channels. Large numbers make the others coarse.
+                Self::Babylon => x.min(1.0),
+                _ => *x,
+            };
+            texture = with_channel(texture, table.name(), third.iter().map(number));
         }
         let (path, bytes, steps): (_, _, &[&str]) = match self {
             Self::Three => (
@@ -161,7 +170,8 @@ impl LutEngine {
                 "environmentBRDF.png",
                 picture(&texture, rgbd),
                 &[
-                    "Before the first PBR material: const t = new BABYLON.Texture(\"environmentBRDF.png\", scene, true, false); t.isRGBD = true; t.wrapU = t.wrapV = BABYLON.Texture.CLAMP_ADDRESSMODE; scene.environmentBRDFTexture = t;",
+                    "Before the first PBR material: const t = new BABYLON.Texture(\"environmentBRDF.png\", scene, true, false, BABYLON.Texture.BILINEAR_SAMPLINGMODE); t.isRGBD = true; t.wrapU = t.wrapV = BABYLON.Texture.CLAMP_ADDRESSMODE; scene.environmentBRDFTexture = t; BABYLON.RGBDTextureTools.ExpandRGBDTexture(t);",
+                    "ExpandRGBDTexture decodes the picture after loading. Without it, the GPU filters encoded bytes.",
                     "Built in: replace the first PNG in packages/dev/core/src/Misc/brdfTextureTools.ts, in base64.",
                 ],
             ),
@@ -170,7 +180,7 @@ impl LutEngine {
                 // Rough surfaces come first.
                 dx10(&half(&flipped(with_channel(texture, "one", repeat(1.0))))?)?,
                 &[
-                    "Godot draws this texture when it starts: in scene_shader_forward_clustered.cpp, fill dfg_lut.texture from dfg_lut.dds instead of running integrate_dfg.glsl.",
+                    "Godot computes this texture at startup: in scene_shader_forward_clustered.cpp, fill dfg_lut.texture from dfg_lut.dds instead of running integrate_dfg.glsl.",
                 ],
             ),
             Self::Filament => (
@@ -185,7 +195,7 @@ impl LutEngine {
                 "PreIntegratedFGD_GGXDisneyDiffuse.dds",
                 ten_bits(&texture)?,
                 &[
-                    "HDRP draws this texture when it starts: in PreIntegratedFGD.RenderInit, copy these texels to m_PreIntegratedFGD[0] instead of calling DrawFullScreen.",
+                    "HDRP computes this texture at startup: in PreIntegratedFGD.RenderInit, copy these texels to m_PreIntegratedFGD[0] instead of calling DrawFullScreen.",
                 ],
             ),
             Self::GltfSampleViewer => (
@@ -196,7 +206,7 @@ impl LutEngine {
                 }),
                 &[
                     "Put the file into assets/images and pass its path to ResourceLoader.loadEnvironment, as lut_ggx_file or lut_sheen_E_file.",
-                    "The present viewer draws the GGX table itself: in ibl_sampler.js, load lut_ggx.png instead of calling sampleGGXLut.",
+                    "The current viewer computes the GGX table at startup: in ibl_sampler.js, load lut_ggx.png instead of calling sampleGGXLut.",
                 ],
             ),
             Self::Blender => (

@@ -3,7 +3,10 @@ use ltcforge_files::{
     recipe_document::{AnyRecipe, parse_any},
     tabulated::no_files,
 };
-use ltcforge_fit::albedo::{DfgForm, LutResolution};
+use ltcforge_fit::{
+    BrdfKind,
+    albedo::{DfgForm, LutResolution},
+};
 
 fn fitted(document: &str) -> LutFile {
     let Ok(AnyRecipe::Lut(recipe)) = parse_any(document.as_bytes(), 10_000, &no_files) else { panic!("a recipe") };
@@ -71,7 +74,7 @@ fn three_axes_make_a_volume_and_four_axes_make_a_volume_of_rows() {
             }
         }
         let refused = LutExport::Png.bundle(&of, Digest::of(b"")).expect_err("no picture").to_string();
-        assert!(refused.starts_with(&format!("png has no file of table {table}; engines")), "{refused}");
+        assert!(refused.starts_with(&format!("png has no file of table {table}; no engine")), "{refused}");
     }
 }
 
@@ -94,7 +97,9 @@ fn an_albedo_table_has_two_textures_and_other_engines_are_refused() {
     assert_eq!(paths, ["albedo.npy", "average.npy", "ltcforge.json"]);
     let refused = LutExport::Engine(LutEngine::Three).bundle(&of, Digest::of(b"")).expect_err("no such table");
     assert!(
-        refused.to_string().starts_with("three has no file of table albedo; engines that load such a table: none"),
+        refused
+            .to_string()
+            .starts_with("three has no file of table albedo; no engine export has one; use a container: png, "),
         "{refused}"
     );
     assert!("ktx2.f8".parse::<LutExport>().is_err());
@@ -130,66 +135,104 @@ fn every_engine_gets_its_size_channels_and_format() {
         assert_eq!(bundle.files[0].path, path);
         assert!(!bundle.steps.is_empty());
         let text = || std::str::from_utf8(bytes).expect("text");
-        // Bias and albedo of the texel at column 5 of the cosine and row 3 of roughness, in the engine's order.
-        let found: [f64; 2] = match engine {
-            LutEngine::Babylon => {
-                let (width, pixels) = pixels(bytes);
-                let texel = &pixels[4 * (3 * N + 5)..][..4];
-                assert_eq!((width as usize, pixels.len()), (N, 4 * N * N));
-                [0, 1].map(|i| (f64::from(texel[i]) / 255.0).powf(2.2) * 255.0 / f64::from(texel[3]))
-            }
-            LutEngine::Godot => {
-                let half = |i: usize| {
-                    let at = 148 + 8 * ((N - 1 - 3) * N + 5) + 2 * i;
-                    f64::from(half::f16::from_le_bytes([bytes[at], bytes[at + 1]]))
-                };
-                assert_eq!((bytes.len(), half(3)), (148 + N * N * 8, 1.0));
-                [half(0), half(1)]
-            }
-            LutEngine::Filament => {
-                let words: Vec<&str> = text().split(|c: char| !c.is_alphanumeric()).collect();
-                let halves: Vec<u16> =
-                    words.iter().filter_map(|word| u16::from_str_radix(word.strip_prefix("0x")?, 16).ok()).collect();
-                assert_eq!(halves.len(), 3 * N * N);
-                [0, 1].map(|i| f64::from(half::f16::from_bits(halves[3 * (3 * N + 5) + i])))
-            }
-            LutEngine::Hdrp => {
-                assert_eq!(bytes.len(), 148 + N * N * 4);
-                let at = 148 + 4 * (3 * N + 5);
-                let word = u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes"));
-                assert_eq!(word >> 30, 3);
-                [0, 1].map(|i| f64::from(word >> (10 * i) & 1023) / 1023.0)
-            }
-            LutEngine::GltfSampleViewer => {
-                let (width, pixels) = pixels(bytes);
-                let texel = &pixels[4 * (3 * N + 5)..][..4];
-                assert_eq!((width as usize, pixels.len(), texel[2], texel[3]), (N, 4 * N * N, 0, 255));
-                let [scale, bias] = [0, 1].map(|i| f64::from(texel[i]) / 255.0);
-                [bias, scale + bias]
-            }
-            _ => {
-                assert!(text().contains("const float brdf_ggx[8][8][3] = {\n    {{"));
-                let numbers: Vec<f64> = text()
-                    .split(['{', '}', ',', ' ', '\n'])
-                    .filter_map(|word| word.strip_suffix('f')?.parse().ok())
-                    .collect();
-                assert_eq!(numbers.len(), 3 * N * N);
-                // Roughness is along x.
-                let at = 3 * (5 * N + 3);
-                [numbers[at + 1], numbers[at] + numbers[at + 1]]
+        // Bias, albedo and third channel of the texel at a column of the cosine and a row of roughness.
+        let found = |column: usize, row: usize| -> [f64; 3] {
+            match engine {
+                LutEngine::Babylon => {
+                    let (width, pixels) = pixels(bytes);
+                    let texel = &pixels[4 * (row * N + column)..][..4];
+                    assert_eq!((width as usize, pixels.len()), (N, 4 * N * N));
+                    [0, 1, 2].map(|i| (f64::from(texel[i]) / 255.0).powf(2.2) * 255.0 / f64::from(texel[3]))
+                }
+                LutEngine::Godot => {
+                    let half = |i: usize| {
+                        let at = 148 + 8 * ((N - 1 - row) * N + column) + 2 * i;
+                        f64::from(half::f16::from_le_bytes([bytes[at], bytes[at + 1]]))
+                    };
+                    assert_eq!((bytes.len(), half(3)), (148 + N * N * 8, 1.0));
+                    [half(0), half(1), half(2)]
+                }
+                LutEngine::Filament => {
+                    let words: Vec<&str> = text().split(|c: char| !c.is_alphanumeric()).collect();
+                    let halves: Vec<u16> = words
+                        .iter()
+                        .filter_map(|word| u16::from_str_radix(word.strip_prefix("0x")?, 16).ok())
+                        .collect();
+                    assert_eq!(halves.len(), 3 * N * N);
+                    [0, 1, 2].map(|i| f64::from(half::f16::from_bits(halves[3 * (row * N + column) + i])))
+                }
+                LutEngine::Hdrp => {
+                    assert_eq!(bytes.len(), 148 + N * N * 4);
+                    let at = 148 + 4 * (row * N + column);
+                    let word = u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes"));
+                    assert_eq!(word >> 30, 3);
+                    [0, 1, 2].map(|i| f64::from(word >> (10 * i) & 1023) / 1023.0)
+                }
+                LutEngine::GltfSampleViewer => {
+                    let (width, pixels) = pixels(bytes);
+                    let texel = &pixels[4 * (row * N + column)..][..4];
+                    assert_eq!((width as usize, pixels.len(), texel[2], texel[3]), (N, 4 * N * N, 0, 255));
+                    let [scale, bias] = [0, 1].map(|i| f64::from(texel[i]) / 255.0);
+                    [bias, scale + bias, 0.0]
+                }
+                _ => {
+                    assert!(text().contains("const float brdf_ggx[8][8][3] = {\n    {{"));
+                    let numbers: Vec<f64> = text()
+                        .split(['{', '}', ',', ' ', '\n'])
+                        .filter_map(|word| word.strip_suffix('f')?.parse().ok())
+                        .collect();
+                    assert_eq!(numbers.len(), 3 * N * N);
+                    // Roughness is along x.
+                    let at = 3 * (column * N + row);
+                    [numbers[at + 1], numbers[at] + numbers[at + 1], numbers[at + 2]]
+                }
             }
         };
-        let [x, y] = [5, 3].map(|texel| recipe.texels().parameter(texel, N));
-        let cosine = match engine {
-            LutEngine::Hdrp => x * x,
-            LutEngine::Blender => 1.0 - x * x,
-            _ => x,
-        };
-        // The texels are solved for the filter, so they differ a little from values at texel centres.
-        let [bias, albedo, _] = LutRecipe { form: Some(DfgForm::Filament), ..of }.truth(&[y * y, cosine]);
-        let errors = [found[0] - bias, found[1] - albedo];
-        assert!(errors[0].abs() < 0.01 && errors[1].abs() < 0.015, "{engine}: {found:?}, errors {errors:?}");
+        for (column, row) in [(5, 3), (0, N - 1), (2, N - 1), (N - 1, N - 1), (3, N / 2)] {
+            let [x, y] = [column, row].map(|texel| recipe.texels().parameter(texel, N));
+            let cosine = match engine {
+                LutEngine::Hdrp => x * x,
+                LutEngine::Blender => 1.0 - x * x,
+                _ => x,
+            };
+            let place = [y * y, cosine];
+            let [bias, albedo, _] = LutRecipe { form: Some(DfgForm::Filament), ..of }.truth(&place);
+            let third = |table, brdf| LutRecipe { table, brdf, form: None, ..of }.truth(&place)[0];
+            let third = match engine {
+                LutEngine::Babylon | LutEngine::Godot | LutEngine::Filament => {
+                    third(LutKind::Sheen, BrdfKind::CharlieNeubelt)
+                }
+                LutEngine::Hdrp => (third(LutKind::Diffuse, BrdfKind::BurleyDiffuse) / 1.035_71 - 0.5).min(1.0),
+                LutEngine::Blender => LutRecipe { form: Some(DfgForm::F82), ..of }.truth(&place)[2],
+                _ => 0.0,
+            };
+            let found = found(column, row);
+            let errors = [found[0] - bias, found[1] - albedo, found[2] - third];
+            // The texels are solved for the filter, so they differ from values at texel centres, most at edges.
+            let most = match column {
+                0 => [0.08; 3],
+                5 => [0.01, 0.015, 0.01],
+                _ => [0.08, 0.08, 0.015],
+            };
+            assert!(
+                errors.iter().zip(most).all(|(error, most)| error.abs() < most),
+                "{engine}, column {column}, row {row}: {found:?}, errors {errors:?}"
+            );
+        }
     }
+}
+
+/// A sheen above 1 would leave few steps to the other channels.
+#[test]
+fn babylon_keeps_its_divisor_high() {
+    let of = fitted(r#"{"table": "dfg", "resolution": {"roughness": 2, "cos_theta": 2}}"#).recipe;
+    let recipe = LutEngine::Babylon.recipe(&of).expect("a recipe");
+    let resolution = LutResolution::new(recipe.table, |axis| if axis == "roughness" { 8 } else { 64 });
+    let recipe = LutRecipe { resolution, ..recipe };
+    let bundle = LutEngine::Babylon.bundle(&recipe, super::fitted(&recipe), &About::default()).expect("files");
+    let (_, pixels) = pixels(&bundle.files[0].bytes);
+    let least = pixels.iter().skip(3).step_by(4).min().copied();
+    assert!(least >= Some(250), "{least:?}");
 }
 
 #[test]
