@@ -142,7 +142,7 @@ fn write(
     let mut text = text(args, files, compared, steps);
     let lut_engine = args.choice.engine.as_deref().and_then(LutEngine::from_name);
     if let Some(engine) = lut_engine.filter(|_| layout.is_some()) {
-        let _ = writeln!(text, "For the DFG table of {engine}: ltcforge fit dfg, and export its table --for {engine}.");
+        let _ = writeln!(text, "DFG table: ltcforge fit dfg -o tables; ltcforge export DIGEST --for {engine} -o DIR");
     }
     context.print(&value, text.trim_end())
 }

@@ -97,10 +97,10 @@ fn report_text(path: &Path, recipe: &LutRecipe, report: &LutReport) -> String {
         report.places
     );
     // Writing to a String cannot fail.
-    let _ = writeln!(out, "stored                  {}", report.stored);
-    let _ = writeln!(out, "exact values in texels  {}", report.sampled);
+    let _ = writeln!(out, "stored                              {}", report.stored);
+    let _ = writeln!(out, "exact values in texels              {}", report.sampled);
     for (format, error) in &report.formats {
-        let _ = writeln!(out, "as {format:<20} {error}");
+        let _ = writeln!(out, "stored texels, rounded to {format:<9} {error}");
     }
     let _ = writeln!(out, "\npicture: ltcforge plot {} error -o lut.png", path.display());
     out

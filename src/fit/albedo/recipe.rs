@@ -255,7 +255,7 @@ impl LutRecipe {
     }
 
     /// The values of the channels at a place: the value on each axis, in the order of [`LutKind::axes`]. Correct to 1e-6
-    /// (isotropic GGX and glass) or 1e-5. Further numbers have no meaning.
+    /// (isotropic GGX and glass) or 1e-5. Unused channels are 0.
     ///
     /// # Panics
     /// If `place` has fewer numbers than the table has axes.

@@ -16,7 +16,7 @@ use crate::brdf::BrdfKind;
 /// The number of places between the ends of an axis of a picture: for GGX, and for models whose values take longer.
 const SLICE: [usize; 2] = [223, 67];
 
-/// Absolute errors over the domain: alpha from .002, cosine from .01, evenly in the parameters of the axes.
+/// Absolute errors over the domain: alpha from .002 (kind `albedo`: 1e-4), cosine from .01, evenly in the parameters of the axes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LutError {
     /// The mean of all channels.
@@ -42,7 +42,7 @@ pub struct LutReport {
     pub stored: LutError,
     /// The error of a table that has the exact values at its texels, rounded to the precision of the recipe.
     pub sampled: LutError,
-    /// The error in each number format.
+    /// The error of the stored texels, rounded to each number format.
     pub formats: Vec<(LutPrecision, LutError)>,
 }
 
