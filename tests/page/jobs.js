@@ -60,4 +60,4 @@ await withWorld( async ( { service, open } ) => {
 	await list.locator( '.state.done' ).waitFor();
 	return { reasons, document, reloaded, digest, table, exported, cancelled: state };
 
-} );
+}, [ '--workers', '1' ] );

@@ -22,8 +22,8 @@ export const PICTURES = values.pictures;
 /** WebGL 2 with Mesa's software rasterizer. */
 const FLAGS = [ '--no-sandbox', '--use-gl=angle', '--use-angle=gl-egl', '--ignore-gpu-blocklist' ];
 
-/** Milliseconds after which a script fails. It takes up to a minute on an idle machine. Scripts that write pictures wait for complete references. */
-const DEADLINE = PICTURES ? 600_000 : 240_000;
+/** Milliseconds after which a script fails. It takes up to a minute on an idle machine, and several beside all other tests. Scripts that write pictures wait for complete references. */
+const DEADLINE = PICTURES ? 600_000 : 480_000;
 
 /** A recipe of sixteen entries that takes milliseconds. */
 export const SMALL = { preset: 'draft', resolution: { alpha: 2, ratio: 2, theta: 2, phi: 2 }, fit: { samples: 64, directions: 4, steps: 5 } };

@@ -5,10 +5,16 @@ let last = null;
 /** The result of a request to the browser's database. */
 const done = ( request ) => new Promise( ( resolve, reject ) => Object.assign( request, { onsuccess: () => resolve( request.result ), onerror: () => reject( request.error ) } ) );
 
-async function files( mode ) {
+/** The result of a request to the store of files. Closes the database, because an open database cannot be deleted. */
+async function files( mode, ask ) {
 	const request = indexedDB.open( 'ltcforge', 1 );
 	request.onupgradeneeded = () => request.result.createObjectStore( 'files' );
-	return ( await done( request ) ).transaction( 'files', mode ).objectStore( 'files' );
+	const database = await done( request );
+	try {
+		return await done( ask( database.transaction( 'files', mode ).objectStore( 'files' ) ) );
+	} finally {
+		database.close();
+	}
 }
 
 /** Holds a file until a reload. */
@@ -17,10 +23,10 @@ export const hold = ( file ) => last = file;
 /** Keeps a file. Without a database, for example in a private window, the file is kept until a reload. */
 export async function keep( file ) {
 	last = file;
-	await files( 'readwrite' ).then( ( store ) => done( store.put( file, 'scene' ) ) ).catch( () => {} );
+	await files( 'readwrite', ( store ) => store.put( file, 'scene' ) ).catch( () => {} );
 }
 
 /** The file that was kept last, or null. */
 export async function kept() {
-	return last ??= await files( 'readonly' ).then( ( store ) => done( store.get( 'scene' ) ) ).catch( () => null ) ?? null;
+	return last ??= await files( 'readonly', ( store ) => store.get( 'scene' ) ).catch( () => null ) ?? null;
 }
