@@ -8,12 +8,12 @@ use serde_json::Value;
 use ltcforge_files::recipe_document::{DEFAULT_ENTRY_LIMIT, parse};
 use ltcforge_fit::math::{ln, pow};
 
-const WIDTH: f64 = 1120.0;
+const WIDTH: f64 = 1144.0;
 /// Height of a table's part of the picture.
 const PART: f64 = 520.0;
 const TOP: f64 = 56.0;
 const PANEL: [f64; 2] = [480.0, 400.0];
-const LEFT: [f64; 2] = [64.0, 612.0];
+const LEFT: [f64; 2] = [76.0, 636.0];
 /// Numbers of named materials and of letters in a name.
 const MOST_NAMES: usize = 8;
 const LONGEST: usize = 28;
@@ -72,7 +72,7 @@ fn name_of(material: &Value) -> String {
 /// The frame of a panel, its title, and the names of its axes.
 fn frame(left: f64, title: &str, across: &str, up: &str) -> [String; 4] {
     let [width, height] = PANEL;
-    let (at, middle) = (left - 53.0, TOP + 0.5 * height);
+    let (at, middle) = (left - 62.0, TOP + 0.5 * height);
     [
         format!(r#"<text class="middle" transform="translate({at} {middle}) rotate(-90)">{up}</text>"#),
         text("title", left, 32.0, title),

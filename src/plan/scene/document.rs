@@ -276,7 +276,7 @@ pub(super) struct Accessor {
     pub(super) shape: String,
     pub(super) min: Option<Vec<f64>>,
     pub(super) max: Option<Vec<f64>>,
-    // Most accessors have none, and a box takes less memory then.
+    // In a box, because most accessors are not sparse.
     pub(super) sparse: Option<Box<Sparse>>,
 }
 

@@ -91,7 +91,11 @@ pub(super) fn read(
     // The brightest lights stay.
     lights.sort_by(|a, b| b.radiance.total_cmp(&a.radiance));
     let (all, mut left) = (lights.len(), MOST_SHAPES);
-    lights.retain(|light| left.checked_sub(light.shapes.len()).map(|rest| left = rest).is_some());
+    lights.retain(|light| {
+        let fits = light.shapes.len() <= left;
+        left -= if fits { light.shapes.len() } else { 0 };
+        fits
+    });
     let ignored = all - lights.len();
     if ignored > 0 {
         notes.push(format!("lights that are ignored: {ignored}; all lights may have {MOST_SHAPES} polygons and disks"));
@@ -168,12 +172,16 @@ fn emissive(
         let (material, rgb) = (&document.materials[index], radiances[index]);
         let name = || named(document.meshes[part.mesh].name.as_deref(), || format!("mesh {}", part.mesh));
         let is_large = part.accessors().any(|accessor| document.accessors[accessor].count > MOST_VERTICES);
-        let read = match () {
-            () if luminance(rgb) > MOST => Err("its emission is above 1e9".to_owned()),
-            () if material.emissive_texture.is_some() => Err("its emission has a texture".to_owned()),
-            () if is_large => Err(format!("it has more than {MOST_VERTICES} vertices or indices")),
-            () if lights.len() + part.worlds.len() > MOST_COMPARED => Err("there are too many lights".to_owned()),
-            () => SceneError::split(Geometry::read(buffers, &part, &[], false))?,
+        let read = if luminance(rgb) > MOST {
+            Err("its emission is above 1e9".to_owned())
+        } else if material.emissive_texture.is_some() {
+            Err("its emission has a texture".to_owned())
+        } else if is_large {
+            Err(format!("it has more than {MOST_VERTICES} vertices or indices"))
+        } else if lights.len() + part.worlds.len() > MOST_COMPARED {
+            Err("there are too many lights".to_owned())
+        } else {
+            SceneError::split(Geometry::read(buffers, &part, &[], false))?
         };
         let sides = if material.double_sided { Sides::Two } else { Sides::One };
         let placed = |geometry: &Geometry, world: &DMat4| -> Vec<PlacedLight> {

@@ -53,7 +53,7 @@ pub struct SceneMaterial {
 pub(crate) struct Place {
     /// The index of the material, and the kind of the lobe.
     pub(crate) of: (usize, LobeKind),
-    /// The area that the place stands for, times the part of it that has the lobe. Only ratios of weights count.
+    /// The area that the place represents, times the part of it that has the lobe. The unit of area has no effect.
     pub(crate) weight: f64,
     /// Roughnesses and view.
     pub(crate) at: Configuration,

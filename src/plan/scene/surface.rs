@@ -157,7 +157,12 @@ pub(super) fn gather(
 fn reached(geometry: &Geometry, world: &DMat4) -> Vec<f64> {
     let triangles = (0..geometry.len()).into_par_iter().with_min_len(LEAST_AREAS);
     let areas: Vec<f64> = triangles.map(|triangle| geometry.area(triangle, world)).collect();
-    areas.iter().scan(0.0, |sum, area| Some(*sum + area).inspect(|is| *sum = *is)).collect()
+    let mut sum = 0.0;
+    let up_to = |area: f64| {
+        sum += area;
+        sum
+    };
+    areas.into_iter().map(up_to).collect()
 }
 
 /// The area of an instance.
