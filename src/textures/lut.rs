@@ -46,9 +46,9 @@ pub enum LutExportError {
         /// The kind of the table.
         table: LutKind,
     },
-    /// The name is not an export of lookup tables. Most engines have one.
+    /// The name is not an export of lookup tables.
     #[error(
-        "«{}» is not an export of lookup tables; engines: {}; formats, without a layout: {}; a format except png can have a precision, such as ktx2.f16",
+        "lookup tables have no export «{}»; engines: {}; formats: {}, each except png also with a precision, such as ktx2.f16",
         .0.escape_debug(), listed(LutEngine::ALL), formats(LutKind::Dfg)
     )]
     Unknown(String),

@@ -238,7 +238,7 @@ fn babylon_keeps_its_divisor_high() {
 #[test]
 fn an_engine_without_lookup_tables_is_named_with_the_others() {
     let refused = "playcanvas".parse::<LutExport>().expect_err("no table").to_string();
-    assert!(refused.starts_with("«playcanvas» is not an export of lookup tables; engines: "), "{refused}");
+    assert!(refused.starts_with("lookup tables have no export «playcanvas»; engines: "), "{refused}");
     assert!(refused.contains("three, babylon, bevy, godot, filament, hdrp, gltf-sample-viewer, blender"), "{refused}");
     let of = fitted(r#"{"table": "dfg", "precision": "rgba8", "resolution": {"roughness": 4, "cos_theta": 4}}"#);
     let bundle = LutExport::Png.bundle(&of, Digest::of(b"")).expect("files");
