@@ -23,7 +23,11 @@ fn a_dfg_table_is_fitted_measured_and_exported() {
     assert!(fs::read(folder.path().join("brdf/dfg.ktx2")).expect("a file").starts_with(b"\xabKTX 20\xbb"));
     run(folder.path(), ["export", name.as_str(), "--container", "npy", "--precision", "half", "-o", "npy"]).exited(0);
     let refused = run(folder.path(), ["export", name.as_str(), "--for", "playcanvas", "-o", "other"]).exited(2);
-    assert!(refused.stderr.contains("lookup tables have no export «playcanvas»; engines: three, "), "{}", refused.stderr);
+    assert!(
+        refused.stderr.contains("lookup tables have no export «playcanvas»; engines: three, "),
+        "{}",
+        refused.stderr
+    );
     run(folder.path(), ["export", name.as_str(), "--for", "blender", "-o", "blender"]).exited(0);
     assert!(folder.path().join("blender/brdf_ggx.inc").exists());
     let refused = run(folder.path(), ["preview", name.as_str(), "-o", "sphere.png"]).exited(2);
